@@ -135,7 +135,7 @@ Result<void> PlcModule::wait_for_zero(std::uint32_t address, std::uint16_t bits,
 
 Result<std::vector<std::uint16_t>> PlcModule::command(std::uint16_t code,
                                                       std::span<const std::uint16_t> parameters) {
-  if (way_ == project::RequestWay::signals) {
+  if (method_ == module::RequestMethod::signals) {
     // One that was broken off may have left its request.
     if (const auto set = set_signal(command_signal, false); !set) return std::unexpected(set.error());
     if (const auto ready = wait_for_signal(command_signal, false, "the command interface"); !ready)
@@ -149,7 +149,7 @@ Result<std::vector<std::uint16_t>> PlcModule::command(std::uint16_t code,
     return std::unexpected(written.error());
   if (const auto written = write_words(command_word, std::span(&code, 1)); !written)
     return std::unexpected(written.error());
-  if (way_ == project::RequestWay::signals) {
+  if (method_ == module::RequestMethod::signals) {
     Result<std::vector<std::uint16_t>> words;
     const auto done = handshake(command_signal, "the command interface", [&]() -> Result<void> {
       words = read_words(command_word, command_words);
@@ -240,7 +240,7 @@ Result<void> PlcModule::save_words() {
   constexpr std::uint32_t save_word = 22;
   constexpr std::uint16_t save = 1;
   if (const auto written = write_words(save_word, std::span(&save, 1)); !written) return written;
-  if (way_ == project::RequestWay::signals)
+  if (method_ == module::RequestMethod::signals)
     return handshake(save_signal, "saving", [] { return Result<void>(); });
   return wait_for_zero(save_word, save, "saving");
 }
@@ -251,7 +251,7 @@ Result<void> PlcModule::wait_until_ready() {
 }
 
 Result<void> PlcModule::restart() {
-  if (way_ == project::RequestWay::signals)
+  if (method_ == module::RequestMethod::signals)
     return handshake(restart_signal, "the restart", [&] { return wait_until_ready(); });
   constexpr std::uint16_t restart = 1;
   if (const auto written = write_words(status_word, std::span(&restart, 1)); !written) return written;
@@ -260,7 +260,7 @@ Result<void> PlcModule::restart() {
 }
 
 Result<void> PlcModule::clear_errors() {
-  if (way_ == project::RequestWay::signals) {
+  if (method_ == module::RequestMethod::signals) {
     if (const auto set = set_signal(error_clear_signal, true); !set) return set;
     return set_signal(error_clear_signal, false);
   }

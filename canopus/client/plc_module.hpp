@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "canopus/client/plc_client.hpp"
+#include "canopus/module/interface/configuration_tool.hpp"
 #include "canopus/project/module_transfer.hpp"
 
 namespace canopus::client {
@@ -16,10 +17,10 @@ namespace canopus::client {
 class PlcModule final : public project::ModuleAccess {
  public:
   /// `unit`: the number behind U: the module's number (FX), or its head address / 16.
-  PlcModule(PlcClient& client, std::uint16_t unit, project::RequestWay way) noexcept
-      : client_(client), unit_(unit), way_(way) {}
+  PlcModule(PlcClient& client, std::uint16_t unit, module::RequestMethod method) noexcept
+      : client_(client), unit_(unit), method_(method) {}
 
-  [[nodiscard]] project::RequestWay request_way() const noexcept { return way_; }
+  [[nodiscard]] module::RequestMethod request_method() const noexcept { return method_; }
 
   // project::ModuleAccess
   Result<std::uint16_t> read_word(std::uint32_t address) override;
@@ -60,7 +61,7 @@ class PlcModule final : public project::ModuleAccess {
 
   PlcClient& client_;
   std::uint16_t unit_;
-  project::RequestWay way_;
+  module::RequestMethod method_;
 };
 
 }  // namespace canopus::client

@@ -10,16 +10,12 @@
 
 namespace canopus::plant {
 
-namespace {
-
-std::vector<unsigned> bit_rates(const module::DataSheet& data_sheet) {
+std::vector<unsigned> bit_rates_of(const module::DataSheet& data_sheet) {
   std::vector<unsigned> rates;
   for (const module::BusLength& length : data_sheet.bus_lengths) rates.push_back(length.kbps * 1000);
   std::ranges::sort(rates);
   return rates;
 }
-
-}  // namespace
 
 std::vector<text::FileError> preset_words(module::CommunicationModule& module,
                                           const module::DataSheet& data_sheet, const ModuleSection& section,
@@ -29,7 +25,7 @@ std::vector<text::FileError> preset_words(module::CommunicationModule& module,
   if (!module.preset_bit_rate(bus.bit_rate)) {
     errors.add(section.place,
                "module: bus \"{}\" has {} bit/s, which the {} does not have; expected one of {}", bus.name,
-               bus.bit_rate, model, fmt::join(bit_rates(data_sheet), ", "));
+               bus.bit_rate, model, fmt::join(bit_rates_of(data_sheet), ", "));
   }
   if (section.node != 0 && !module.preset_node_id(section.node)) {
     errors.add(section.place, "module: node = {}: the {} cannot have this node-ID", section.node, model);

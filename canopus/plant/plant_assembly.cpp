@@ -348,7 +348,8 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
                                            std::move(made), watch(bus), observer_of(section.bus));
   module::CommunicationModule& module = seat->module();
   const auto bus_section = std::ranges::find(parts_.file.buses, section.bus, &BusSection::name);
-  if (entry.download != nullptr) entry.download(module, card_parameters(section, *bus_section));
+  if (entry.download != nullptr)
+    (void)entry.download(module, module_parameters(*entry.data_sheet, section, *bus_section));
   errors_.add(preset_words(module, *entry.data_sheet, section, *bus_section));
   errors_.add(preset_objects(module, section));
   errors_.add(give_parameters(module, section));

@@ -16,7 +16,7 @@
 #include <fmt/format.h>
 
 #include "canopus/eds/device_file.hpp"
-#include "canopus/module/as_fcopm/configuration.hpp"
+#include "canopus/module/interface/download.hpp"
 #include "canopus/plant/module_network.hpp"
 #include "canopus/plant/plant_parts.hpp"
 #include "canopus/text/file_error.hpp"
@@ -40,9 +40,11 @@ namespace canopus::plant {
                                                        const canopen::DictionaryDescription& dictionary,
                                                        text::FileErrors& errors);
 
-/// The card's own parameters of CANopen Builder, without the node list.
-[[nodiscard]] module::as_fcopm::Configuration card_parameters(const ModuleSection& section,
-                                                              const BusSection& bus);
+/// The bit rates of a module, bit/s, rising.
+[[nodiscard]] std::vector<unsigned> bit_rates_of(const module::DataSheet& data_sheet);
+/// The module's own parameters of its download, without the node list. A bit rate that the module does not have is left out.
+[[nodiscard]] module::Download module_parameters(const module::DataSheet& data_sheet,
+                                                 const ModuleSection& section, const BusSection& bus);
 
 /// Builds a plant's parts, collecting every error on the way.
 class Assembly {

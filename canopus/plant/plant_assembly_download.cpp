@@ -1,10 +1,10 @@
-// What CANopen Builder has downloaded for a card: the node list, as EDS files describe the slaves.
+// What a configuration tool has downloaded for a module: the node list, as EDS files describe the slaves.
 
 #include <algorithm>
 #include <utility>
 
 #include "canopus/eds/device_file.hpp"
-#include "canopus/module/as_fcopm/register_table.hpp"
+#include "canopus/module/interface/download.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/plant_assembly.hpp"
 #include "canopus/sim/device/behaviour.hpp"
@@ -12,8 +12,6 @@
 namespace canopus::plant {
 
 namespace {
-
-namespace fcopm = module::as_fcopm;
 
 /// 0: the same as no expectation.
 std::optional<std::uint32_t> expected(const canopen::DictionaryDescription& dictionary, std::uint16_t index,
@@ -29,8 +27,8 @@ class SlaveCompiler {
                 text::FileErrors& errors)
       : section_(section), dictionary_(dictionary), errors_(errors) {}
 
-  fcopm::SlaveSetting run() {
-    fcopm::SlaveSetting slave{.node_id = section_.node};
+  module::DownloadedSlave run() {
+    module::DownloadedSlave slave{.node_id = section_.node};
     slave.device_type = expected(dictionary_, 0x1000, 0, section_.node);
     slave.vendor = expected(dictionary_, 0x1018, 1, section_.node);
     slave.product = expected(dictionary_, 0x1018, 2, section_.node);
@@ -44,14 +42,14 @@ class SlaveCompiler {
   }
 
  private:
-  fcopm::SlavePdo compile(const DownloadSection::Pdo& section, bool transmit) {
+  module::DownloadedPdo compile(const DownloadSection::Pdo& section, bool transmit) {
     const auto parameters = static_cast<std::uint16_t>((transmit ? 0x1800 : 0x1400) + section.number - 1);
     const auto mapping = static_cast<std::uint16_t>(parameters + 0x200);
-    fcopm::SlavePdo pdo{.number = section.number,
-                        .cob_id = section.cob_id,
-                        .type = section.type,
-                        .inhibit_time = section.inhibit_time,
-                        .event_timer = section.event_timer};
+    module::DownloadedPdo pdo{.number = section.number,
+                              .cob_id = section.cob_id,
+                              .type = section.type,
+                              .inhibit_time = section.inhibit_time,
+                              .event_timer = section.event_timer};
     const auto name = fmt::format("{}PDO{}", transmit ? "Tx" : "Rx", section.number);
     if (dictionary_.find(parameters) == nullptr)
       errors_.add(section.place, "node {} has no {} ({:04X}H)", section_.node, name, parameters);
@@ -74,7 +72,7 @@ class SlaveCompiler {
     return pdo;
   }
 
-  void compile(const text::ObjectSetting& setting, fcopm::SlaveSetting& slave) {
+  void compile(const text::ObjectSetting& setting, module::DownloadedSlave& slave) {
     const auto [index, sub] = setting.object;
     const canopen::Entry entry = dictionary_.find(index, sub);
     if (!entry) {
@@ -126,25 +124,26 @@ void advise_synchronous(const DownloadSection::Slave& slave, const DeviceSection
 
 }  // namespace
 
-fcopm::Configuration card_parameters(const ModuleSection& section, const BusSection& bus) {
-  fcopm::Configuration configuration;
-  if (section.node != 0) configuration.node_id = section.node;
-  const auto rate =
-      std::ranges::find(fcopm::bit_rates, bus.bit_rate / 1000);  // preset_words() reports another
-  if (rate != fcopm::bit_rates.end()) configuration.bit_rate = *rate;
-  if (!section.download) return configuration;
+module::Download module_parameters(const module::DataSheet& data_sheet, const ModuleSection& section,
+                                   const BusSection& bus) {
+  module::Download parameters;
+  if (section.node != 0) parameters.node_id = section.node;
+  if (std::ranges::binary_search(bit_rates_of(data_sheet),
+                                 bus.bit_rate))  // preset_words() reports another one
+    parameters.bit_rate = static_cast<std::uint16_t>(bus.bit_rate / 1000);
+  if (!section.download) return parameters;
   const DownloadSection& download = *section.download;
-  if (download.is_slave) configuration.work_mode = fcopm::WorkMode::slave;
-  configuration.cycle_period = download.cycle_period.value_or(configuration.cycle_period);
-  configuration.master_heartbeat = download.master_heartbeat.value_or(configuration.master_heartbeat);
-  return configuration;
+  if (download.is_slave) parameters.work_mode = module::Download::WorkMode::slave;
+  parameters.cycle_period = download.cycle_period.value_or(parameters.cycle_period);
+  parameters.master_heartbeat = download.master_heartbeat.value_or(parameters.master_heartbeat);
+  return parameters;
 }
 
 void Assembly::add_download(const ModuleSection& section, module::CommunicationModule& module) {
   const CatalogueEntry& entry = *find_module(section.model);
   if (!section.download || entry.download == nullptr) return;
   const auto bus = std::ranges::find(parts_.file.buses, section.bus, &BusSection::name);
-  fcopm::Configuration configuration = card_parameters(section, *bus);
+  module::Download download = module_parameters(*entry.data_sheet, section, *bus);
   text::FileErrors found;
   bool complete = true;
   for (const DownloadSection::Slave& slave : section.download->slaves) {
@@ -153,16 +152,15 @@ void Assembly::add_download(const ModuleSection& section, module::CommunicationM
     const auto is_empty = [](const DownloadSection::Pdo& pdo) { return pdo.objects.empty(); };  // reported
     complete = complete && dictionary != nullptr && std::ranges::none_of(slave.rx_pdos, is_empty) &&
                std::ranges::none_of(slave.tx_pdos, is_empty);
-    if (dictionary != nullptr) configuration.slaves.push_back(SlaveCompiler(slave, *dictionary, found).run());
+    if (dictionary != nullptr) download.slaves.push_back(SlaveCompiler(slave, *dictionary, found).run());
     const auto device = std::ranges::find_if(parts_.file.devices, [&](const DeviceSection& each) {
       return each.bus == section.bus && each.node == slave.node;
     });
     if (device != parts_.file.devices.end()) advise_synchronous(slave, *device, parts_.warnings);
   }
   if (complete && found.empty()) {
-    for (const std::string& error : fcopm::check(configuration))
+    for (const std::string& error : entry.download(module, std::move(download)))
       found.add(section.download->place, "download: {}", error);
-    if (found.empty()) entry.download(module, std::move(configuration));
   }
   errors_.add(found.take());
 }

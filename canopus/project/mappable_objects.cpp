@@ -14,7 +14,7 @@ constexpr std::uint8_t last_sub_index = 0xFE;
 constexpr std::uint16_t last_dummy = 7;  // [CiA 301 7.4.7.1]
 constexpr std::array<std::uint8_t, 3> widths{8, 16, 32};
 
-std::string name_of_object(const ModuleModel& model, std::uint32_t index, std::uint32_t sub,
+std::string name_of_object(const module::ConfigurationTool& model, std::uint32_t index, std::uint32_t sub,
                            std::uint32_t bits) {
   return model.object_name(index << 16 | sub << 8 | bits);
 }
@@ -30,7 +30,8 @@ void add_object(std::vector<MappableObjects>& all, const std::string& text, std:
   found->objects.push_back(std::move(object));
 }
 
-void add_variables_of(const ModuleModel& model, std::uint16_t index, std::vector<MappableObjects>& all) {
+void add_variables_of(const module::ConfigurationTool& model, std::uint16_t index,
+                      std::vector<MappableObjects>& all) {
   for (const std::uint8_t bits : widths) {
     for (std::uint8_t sub = 1; sub <= last_sub_index; ++sub) {
       const std::string text = name_of_object(model, index, sub, bits);
@@ -42,7 +43,7 @@ void add_variables_of(const ModuleModel& model, std::uint16_t index, std::vector
 
 }  // namespace
 
-std::vector<MappableObjects> mappable_objects(const ModuleModel& model, const Window& window) {
+std::vector<MappableObjects> mappable_objects(const module::ConfigurationTool& model, const Window& window) {
   std::vector<MappableObjects> all;
   if (window.mapping == 0) return all;
   constexpr std::uint16_t transmit_mapping = 0x1A00;

@@ -25,6 +25,7 @@ struct MappableObjects {
 };
 
 /// For a window of PDOs, in the order of their indexes, dummies last; empty: the window has no mapping.
-[[nodiscard]] std::vector<MappableObjects> mappable_objects(const ModuleModel& model, const Window& window);
+[[nodiscard]] std::vector<MappableObjects> mappable_objects(const module::ConfigurationTool& model,
+                                                            const Window& window);
 
 }  // namespace canopus::project

@@ -76,14 +76,14 @@ std::string why_no_name(std::string_view name) {
   return fmt::format("{} characters: expected 1 to {}", characters, longest_name);
 }
 
-ModuleProject::ModuleProject(const ModuleModel& model) : model_(&model) {
-  for (const Window& window : model.windows) restore_defaults(window);
+ModuleProject::ModuleProject(const module::ConfigurationTool& tool) : tool_(&tool) {
+  for (const Window& window : tool.windows) restore_defaults(window);
 }
 
 const Window* ModuleProject::window(std::string_view word) const noexcept {
   const auto found =
-      std::ranges::find_if(model_->windows, [&](const Window& window) { return window.word == word; });
-  return found == model_->windows.end() ? nullptr : &*found;
+      std::ranges::find_if(tool_->windows, [&](const Window& window) { return window.word == word; });
+  return found == tool_->windows.end() ? nullptr : &*found;
 }
 
 const std::map<std::uint32_t, Row>& ModuleProject::rows(const Window& window) const {
@@ -245,7 +245,7 @@ std::expected<void, std::string> ModuleProject::set_mapping(const Window& window
 std::vector<ProjectFinding> ModuleProject::check() const {
   std::vector<ProjectFinding> found;
   std::map<std::uint32_t, std::string> senders;  // CAN-IDs that this module would send
-  for (const Window& window : model_->windows) {
+  for (const Window& window : tool_->windows) {
     for (const auto& [key, row] : rows_.at(window.word)) {
       const std::string place = place_of(window, key);
       for (std::size_t i = 0; i < window.fields.size(); ++i) {
@@ -261,7 +261,7 @@ std::vector<ProjectFinding> ModuleProject::check() const {
       if (std::string wrong = why_no_mapping(row.mapping); !wrong.empty())
         found.push_back({true, place + ": " + wrong});
       for (const std::uint32_t entry : row.mapping) {
-        if (model_->object_name(entry).empty()) {
+        if (tool_->object_name(entry).empty()) {
           found.push_back(
               {false, fmt::format("{}: mapped object {:04X}:{:02X} with {} bits is none of the module's",
                                   place, entry >> 16, entry >> 8 & 0xFF, entry & 0xFF)});

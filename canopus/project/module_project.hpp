@@ -30,9 +30,9 @@ struct ProjectFinding {
 class ModuleProject {
  public:
   /// Every window without rows has its defaults; lists are empty.
-  explicit ModuleProject(const ModuleModel& model);
+  explicit ModuleProject(const module::ConfigurationTool& tool);
 
-  [[nodiscard]] const ModuleModel& model() const noexcept { return *model_; }
+  [[nodiscard]] const module::ConfigurationTool& tool() const noexcept { return *tool_; }
   [[nodiscard]] std::uint32_t node_id() const noexcept { return value("basic", "Node ID"); }
 
   /// The number behind U: Module number, or Module address / 16.
@@ -85,7 +85,7 @@ class ModuleProject {
   std::expected<void, std::string> set_value(const Window& window, std::uint32_t key, const Field& field,
                                              std::uint32_t value);
 
-  const ModuleModel* model_;
+  const module::ConfigurationTool* tool_;
   std::map<std::string_view, std::map<std::uint32_t, Row>> rows_;
 };
 

@@ -16,7 +16,7 @@ constexpr const char* root_name = "canopus-module";
 /// Reads a file and remembers where it is, for what it has to say.
 class Reader {
  public:
-  explicit Reader(const eds::xml::Document& document) : document_(document) {}
+  Reader(const eds::xml::Document& document, Tools tools) : document_(document), tools_(tools) {}
 
   std::expected<ModuleProject, std::string> read() {
     const pugi::xml_node root = document_.root();
@@ -27,12 +27,12 @@ class Reader {
           root, fmt::format("format \"{}\": this version reads format {}{}", root.attribute("format").value(),
                             project_format, format > project_format ? "; the file is newer" : "")));
     }
-    const ModuleModel* const model = find_module_model(root.attribute("model").value());
-    if (model == nullptr) {
+    const module::ConfigurationTool* const tool = find_tool(tools_, root.attribute("model").value());
+    if (tool == nullptr) {
       return std::unexpected(at(root, fmt::format("model \"{}\": expected one of {}",
-                                                  root.attribute("model").value(), module_model_names())));
+                                                  root.attribute("model").value(), models_of(tools_))));
     }
-    ModuleProject project(*model);
+    ModuleProject project(*tool);
     // The master's settings decide whether slaves may be assigned, wherever they stand in the file; node-IDs decide defaults.
     for (const bool rows : {false, true}) {
       for (const pugi::xml_node node : root.children()) {
@@ -54,7 +54,7 @@ class Reader {
         std::string_view(node.name()) == "window" ? project.window(node.attribute("name").value()) : nullptr;
     if (window == nullptr) {
       return std::unexpected(at(node, fmt::format("<{} name=\"{}\">: the {} has no such window", node.name(),
-                                                  node.attribute("name").value(), project.model().name)));
+                                                  node.attribute("name").value(), project.tool().model)));
     }
     if (window->key.empty() == rows) return {};
     std::uint32_t key = 0;
@@ -97,6 +97,7 @@ class Reader {
 
   static constexpr unsigned any = 0xFFFF'FFFF;
   const eds::xml::Document& document_;
+  Tools tools_;
 };
 
 }  // namespace
@@ -107,9 +108,9 @@ std::string to_xml(const ModuleProject& project) {
   declaration.append_attribute("version") = "1.0";
   declaration.append_attribute("encoding") = "UTF-8";
   pugi::xml_node root = document.append_child(root_name);
-  root.append_attribute("model") = std::string(project.model().name).c_str();
+  root.append_attribute("model") = std::string(project.tool().model).c_str();
   root.append_attribute("format") = project_format;
-  for (const Window& window : project.model().windows) {
+  for (const Window& window : project.tool().windows) {
     for (const auto& [key, row] : project.rows(window)) {
       pugi::xml_node node = root.append_child("window");
       node.append_attribute("name") = std::string(window.word).c_str();
@@ -137,9 +138,9 @@ std::string to_xml(const ModuleProject& project) {
   return out.str();
 }
 
-std::expected<ModuleProject, std::string> from_xml(std::string_view text) {
+std::expected<ModuleProject, std::string> from_xml(std::string_view text, Tools tools) {
   const auto document = eds::xml::Document::parse(text);
-  if (document) return Reader(**document).read();
+  if (document) return Reader(**document, tools).read();
   return std::unexpected(fmt::format("{}: {}", document.error().position.line, document.error().message));
 }
 

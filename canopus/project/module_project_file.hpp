@@ -15,7 +15,8 @@ inline constexpr unsigned project_format = 1;
 /// The whole file.
 [[nodiscard]] std::string to_xml(const ModuleProject& project);
 
-/// A project, or what is wrong, as "LINE: text". Fields that the file does not have keep their defaults.
-[[nodiscard]] std::expected<ModuleProject, std::string> from_xml(std::string_view text);
+/// A project of a module that one of the tools is for, or what is wrong, as "LINE: text". Fields that the file does not have keep
+/// their defaults.
+[[nodiscard]] std::expected<ModuleProject, std::string> from_xml(std::string_view text, Tools tools);
 
 }  // namespace canopus::project

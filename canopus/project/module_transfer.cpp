@@ -254,7 +254,7 @@ bool is_part(std::string_view part) noexcept { return std::ranges::find(parts, p
 Result<std::vector<Difference>> differences(const ModuleProject& project, std::string_view part,
                                             PdoRange range, std::uint8_t node, ModuleAccess& access) {
   std::vector<Difference> found;
-  for (const Window& window : project.model().windows) {
+  for (const Window& window : project.tool().windows) {
     if (!is_in(window, part) || (window.word == "basic" && node != 0)) continue;
     if (window.mapping != 0) {
       for (const auto& [number, row] : project.rows(window)) {
@@ -279,7 +279,7 @@ Result<void> write_module(const ModuleProject& project, std::string_view part, P
                           std::uint8_t node, ModuleAccess& access, const StepListener& listener) {
   Writer writer(access, node, listener);
   bool words = false, objects = false;
-  for (const Window& window : project.model().windows) {
+  for (const Window& window : project.tool().windows) {
     if (!is_in(window, part) || (window.word == "basic" && node != 0)) continue;
     if (window.mapping != 0) {
       for (const auto& [number, row] : project.rows(window)) {
@@ -387,7 +387,7 @@ Result<void> read_window(ModuleProject& project, const Window& window, PdoRange 
 Result<void> read_module(ModuleProject& project, std::string_view part, PdoRange range, std::uint8_t node,
                          ModuleAccess& access) {
   ModuleProject read = project;  // nothing changes when something cannot be read
-  for (const Window& window : project.model().windows) {
+  for (const Window& window : project.tool().windows) {
     if (!is_in(window, part) || (window.word == "basic" && node != 0)) continue;
     if (const auto done = read_window(read, window, range, node, access); !done) return done;
   }

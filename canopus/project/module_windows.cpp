@@ -17,15 +17,16 @@ bool same_letters(std::string_view a, std::string_view b) noexcept {
 
 }  // namespace
 
-const ModuleModel* find_module_model(std::string_view name) noexcept {
-  for (const ModuleModel* const model : {&fx3u_can_settings(), &rj71cn91_settings()}) {
-    if (same_letters(name, model->name)) return model;
-  }
-  return nullptr;
+const module::ConfigurationTool* find_tool(Tools tools, std::string_view model) noexcept {
+  const auto found =
+      std::ranges::find_if(tools, [&](const auto* tool) { return same_letters(model, tool->model); });
+  return found == tools.end() ? nullptr : *found;
 }
 
-std::string module_model_names() {
-  return fmt::format("{}, {}", fx3u_can_settings().name, rj71cn91_settings().name);
+std::string models_of(Tools tools) {
+  std::string models;
+  for (const auto* tool : tools) models.append(models.empty() ? "" : ", ").append(tool->model);
+  return models;
 }
 
 std::uint32_t factory_value(const Window& window, const Field& field, std::uint32_t key,

@@ -1,77 +1,106 @@
-// The rule that lets modules be added: nothing outside of a module's folder knows of it but the catalogue.
+// The rule that lets modules be added: nothing outside of a module's folder knows it but the catalogue, neither its headers nor its
+// model name.
 
-#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <regex>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "canopus/plant/catalogue/module_catalogue.hpp"
 
 #include "paths.hpp"
 
 namespace canopus::plant::module_independence_test {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::IsEmpty;
-using ::testing::Not;
+using ::testing::SizeIs;
 namespace fs = std::filesystem;
 
 const fs::path sources = fs::path(CANOPUS_SOURCE_DIR) / "canopus";
-const fs::path catalogue = sources / "plant" / "catalogue" / "module_catalogue.cpp";
+const std::string catalogue = "plant/catalogue/module_catalogue.cpp";
 
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
+struct Source {
+  std::string path;  // relative to canopus/
+  std::string text;
+};
+
+std::vector<Source> all_sources() {
+  std::vector<Source> all;
+  for (const auto& entry : fs::recursive_directory_iterator(sources)) {
+    const std::string extension = entry.path().extension();
+    if (extension != ".hpp" && extension != ".cpp") continue;
+    std::ifstream file(entry.path());
+    all.push_back(
+        {fs::relative(entry.path(), sources).generic_string(), {std::istreambuf_iterator<char>(file), {}}});
+  }
+  return all;
 }
 
-/// The folders of canopus/module that hold a module (its model), named as its namespace.
-std::vector<fs::path> module_folders() {
-  std::vector<fs::path> folders;
-  for (const auto& entry : fs::directory_iterator(sources / "module")) {
-    if (fs::exists(entry.path() / "model.hpp")) folders.push_back(entry.path());
-  }
+/// The folders of module/ that hold a module: those that have a table of errors.
+std::vector<std::string> module_folders() {
+  std::vector<std::string> folders;
+  for (const auto& entry : fs::directory_iterator(sources / "module"))
+    if (fs::exists(entry.path() / "error_table.hpp"))
+      folders.push_back("module/" + entry.path().filename().string() + "/");
   return folders;
 }
 
-bool is_below(const fs::path& path, const fs::path& folder) {
-  return path.string().starts_with(folder.string() + "/");
+std::vector<std::string> included_by(const std::string& text) {
+  static const std::regex include(R"re(#include "canopus/([^"]+)")re");
+  std::vector<std::string> found;
+  for (std::sregex_iterator match(text.begin(), text.end(), include), end; match != end; ++match)
+    found.push_back((*match)[1]);
+  return found;
 }
 
-/// It includes a header of the module's folder, or names the module's namespace.
-bool knows(const std::string& text, const std::string& module) {
-  const auto is_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
-  for (std::size_t at = text.find(module); at != std::string::npos; at = text.find(module, at + 1)) {
-    if (at > 0 && is_word(text[at - 1])) continue;
-    const std::size_t next = text.find_first_not_of(' ', at + module.size());
-    if (next != std::string::npos && std::string_view("/:;{").contains(text[next])) return true;
+/// String literals that are a model name and nothing else; what a text for people has of models is no knowledge of one.
+std::vector<std::string> models_named_in(const std::string& text) {
+  std::vector<std::string> found;
+  for (const CatalogueEntry& entry : module_catalogue()) {
+    const std::string literal = '"' + std::string(entry.data_sheet->model) + '"';
+    for (std::size_t at = text.find(literal); at != std::string::npos; at = text.find(literal, at + 1)) {
+      const std::size_t line = text.rfind('\n', at) + 1;
+      if (text.substr(line, at - line).find("//") == std::string::npos)
+        found.emplace_back(entry.data_sheet->model);
+    }
   }
-  return false;
+  return found;
 }
 
-TEST(ModuleIndependence, Knows_SeesIncludesAndNamespaces) {
-  EXPECT_TRUE(knows("#include \"canopus/module/abc1_q/abc1_q.hpp\"\n", "abc1_q"));
-  EXPECT_TRUE(knows("module::abc1_q::Profile profile;", "abc1_q"));
-  EXPECT_TRUE(knows("using namespace module::abc1_q;", "abc1_q"));
-  EXPECT_TRUE(knows("namespace canopus::module::abc1_q {", "abc1_q"));
-  EXPECT_FALSE(knows("// as the ABC1-Q does, see also xabc1_q::a and abc1_qx::b", "abc1_q"));
+TEST(ModuleIndependence, ModelsAreFoundInLiteralsAndNotInComments) {
+  EXPECT_THAT(models_named_in("  if (name == \"RJ71CN91\") return 1;  // \"FX3U-CAN\"\n"),
+              ElementsAre("RJ71CN91"));
+  EXPECT_THAT(models_named_in("help(\"417 of an FX3U-CAN\"); /// \"FX3U-CAN\"\n"), IsEmpty());
+  EXPECT_THAT(included_by("#include \"canopus/module/abc1_q/abc1_q.hpp\"\n"),
+              ElementsAre("module/abc1_q/abc1_q.hpp"));
+}
+
+TEST(ModuleIndependence, EachModuleOfTheCatalogue_HasAFolder) {
+  EXPECT_THAT(module_folders(), SizeIs(module_catalogue().size()));
 }
 
 TEST(ModuleIndependence, OutsideOfItsFolder_OnlyTheCatalogueKnowsAModule) {
-  const std::vector<fs::path> modules = module_folders();
-  ASSERT_THAT(modules, Not(IsEmpty()));
   std::vector<std::string> strangers;
-  for (const fs::path& folder : modules) {
-    const std::string module = folder.filename().string();
-    EXPECT_TRUE(knows(text_of(catalogue), module)) << module << " is not in the catalogue";
-    for (const auto& entry : fs::recursive_directory_iterator(sources)) {
-      const fs::path& path = entry.path();
-      if (!entry.is_regular_file() || path == catalogue || is_below(path, folder)) continue;
-      if (knows(text_of(path), module)) strangers.push_back(path.string() + " knows " + module);
+  const std::vector<std::string> folders = module_folders();
+  for (const Source& source : all_sources()) {
+    if (source.path == catalogue) continue;
+    bool is_a_modules = false;
+    for (const std::string& folder : folders) {
+      is_a_modules = is_a_modules || source.path.starts_with(folder);
+      if (source.path.starts_with(folder)) continue;
+      for (const std::string& included : included_by(source.text))
+        if (included.starts_with(folder)) strangers.push_back(source.path + " includes " + included);
     }
+    if (is_a_modules) continue;
+    for (const std::string& model : models_named_in(source.text))
+      strangers.push_back(source.path + " names " + model);
   }
   EXPECT_THAT(strangers, IsEmpty());
 }

@@ -8,13 +8,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/module/fx3u_can/configuration_tool.hpp"
+#include "canopus/module/rj71cn91/configuration_tool.hpp"
+
 namespace canopus::project::mappable_objects_test {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-const Window& window_of(const ModuleModel& model, std::string_view word) {
+const Window& window_of(const module::ConfigurationTool& model, std::string_view word) {
   for (const Window& window : model.windows) {
     if (window.word == word) return window;
   }
@@ -22,7 +25,7 @@ const Window& window_of(const ModuleModel& model, std::string_view word) {
 }
 
 /// "name: count, the first description to the last one"
-std::vector<std::string> lists(const ModuleModel& model, std::string_view word) {
+std::vector<std::string> lists(const module::ConfigurationTool& model, std::string_view word) {
   std::vector<std::string> lines;
   for (const MappableObjects& named : mappable_objects(model, window_of(model, word))) {
     const MappableObject &first = named.objects.front(), &last = named.objects.back();
@@ -34,7 +37,7 @@ std::vector<std::string> lists(const ModuleModel& model, std::string_view word) 
 
 TEST(MappableObjects, OfTheRj71cn91_AreTheListsOfItsDetailsWindows) {
   const std::string area = "Buffer Memory Area ";
-  EXPECT_THAT(lists(rj71cn91_settings(), "tpdo"),
+  EXPECT_THAT(lists(module::rj71cn91::configuration_tool, "tpdo"),
               ElementsAre(area + "Integer8: 2048, Un\\G13000 LByte to Un\\G14023 HByte",
                           area + "Unsigned8: 2048, Un\\G13000 LByte to Un\\G14023 HByte",
                           area + "Integer16: 1024, Un\\G13000 to Un\\G14023",
@@ -42,7 +45,7 @@ TEST(MappableObjects, OfTheRj71cn91_AreTheListsOfItsDetailsWindows) {
                           area + "Integer32: 512, Un\\G13000-Un\\G13001 to Un\\G14022-Un\\G14023",
                           area + "Unsigned32: 512, Un\\G13000-Un\\G13001 to Un\\G14022-Un\\G14023",
                           area + "Real32: 512, Un\\G13000-Un\\G13001 to Un\\G14022-Un\\G14023"));
-  const auto received = lists(rj71cn91_settings(), "rpdo");
+  const auto received = lists(module::rj71cn91::configuration_tool, "rpdo");
   ASSERT_EQ(received.size(), 13U);
   EXPECT_EQ(received[0], area + "Integer8: 2048, Un\\G10000 LByte to Un\\G11023 HByte");
   EXPECT_THAT(std::vector(received.begin() + 7, received.end()),
@@ -51,13 +54,14 @@ TEST(MappableObjects, OfTheRj71cn91_AreTheListsOfItsDetailsWindows) {
 }
 
 TEST(MappableObjects, OfTheFx3uCan_HaveItsBufferMemory) {
-  const auto sent = lists(fx3u_can_settings(), "tpdo");
+  const auto sent = lists(module::fx3u_can::configuration_tool, "tpdo");
   ASSERT_EQ(sent.size(), 7U);
   EXPECT_EQ(sent[3], "BFM Area Unsigned16 (PLC write access): 320, BFM#11000 (TO) to BFM#11319 (TO)");
 }
 
 TEST(MappableObjects, EachIsWhatItsMappingEntryIsCalled) {
-  for (const ModuleModel* const model : {&rj71cn91_settings(), &fx3u_can_settings()}) {
+  for (const module::ConfigurationTool* const model :
+       {&module::rj71cn91::configuration_tool, &module::fx3u_can::configuration_tool}) {
     for (const char* word : {"tpdo", "rpdo"}) {
       for (const MappableObjects& named : mappable_objects(*model, window_of(*model, word))) {
         for (const MappableObject& one : named.objects) {
@@ -71,7 +75,9 @@ TEST(MappableObjects, EachIsWhatItsMappingEntryIsCalled) {
 }
 
 TEST(MappableObjects, OfWindowsWithoutMapping_AreNone) {
-  EXPECT_THAT(mappable_objects(rj71cn91_settings(), window_of(rj71cn91_settings(), "master")), IsEmpty());
+  EXPECT_THAT(mappable_objects(module::rj71cn91::configuration_tool,
+                               window_of(module::rj71cn91::configuration_tool, "master")),
+              IsEmpty());
 }
 
 }  // namespace

@@ -2,10 +2,14 @@
 
 #include "canopus/project/module_project.hpp"
 
+#include <array>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include "canopus/module/fx3u_can/configuration_tool.hpp"
+#include "canopus/module/rj71cn91/configuration_tool.hpp"
 #include "canopus/project/module_project_file.hpp"
 
 namespace canopus::project::module_project_test {
@@ -14,6 +18,9 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+
+constexpr std::array<const module::ConfigurationTool*, 2> tools{&module::fx3u_can::configuration_tool,
+                                                                &module::rj71cn91::configuration_tool};
 
 class ModuleProjectTest : public testing::Test {
  protected:
@@ -32,7 +39,7 @@ class ModuleProjectTest : public testing::Test {
       texts.push_back((finding.is_error ? "E " : "W ") + finding.text);
     return texts;
   }
-  ModuleProject project_{fx3u_can_settings()};
+  ModuleProject project_{module::fx3u_can::configuration_tool};
 };
 
 TEST_F(ModuleProjectTest, EveryFieldOfTheBasicSettingsIsSetAndRestored) {
@@ -152,7 +159,7 @@ TEST_F(ModuleProjectTest, TheFileBringsEverythingBack) {
   EXPECT_THAT(text, HasSubstr("<canopus-module model=\"FX3U-CAN\" format=\"1\">"));
   EXPECT_THAT(text, HasSubstr("<field name=\"Vendor-ID\">0x00000195</field>"));
   EXPECT_THAT(text, HasSubstr("<object index=\"0xA000\" sub-index=\"0x03\" bits=\"8\" />"));
-  const auto back = from_xml(text);
+  const auto back = from_xml(text, tools);
   ASSERT_TRUE(back) << back.error();
   EXPECT_EQ(to_xml(*back), text);
 }
@@ -183,7 +190,7 @@ TEST(ModuleProjectFile, WhatIsWrongIsToldWithItsLine) {
                "3: <object>: expected index 0x0000 to 0xFFFF, sub-index 0x00 to 0xFF and bits 8 to 64"},
            Bad{head + "<window name=\"basic\"><fild/></window>" + tail, "3: <fild> is unknown here"},
        }) {
-    const auto read = from_xml(text);
+    const auto read = from_xml(text, tools);
     ASSERT_FALSE(read) << text;
     EXPECT_EQ(read.error(), error);
   }
@@ -193,15 +200,15 @@ TEST(ModuleProjectFile, TooDeepOrTooLong_IsRefused) {
   std::string deep = "<canopus-module model=\"FX3U-CAN\" format=\"1\">\n";
   for (int i = 0; i < 100; ++i) deep += "<window>";
   for (int i = 0; i < 100; ++i) deep += "</window>";
-  EXPECT_EQ(from_xml(deep + "</canopus-module>").error(), "2: elements are nested more than 64 deep");
-  EXPECT_EQ(from_xml("<canopus-module/>" + std::string(std::size_t{8} << 20, ' ')).error(),
+  EXPECT_EQ(from_xml(deep + "</canopus-module>", tools).error(), "2: elements are nested more than 64 deep");
+  EXPECT_EQ(from_xml("<canopus-module/>" + std::string(std::size_t{8} << 20, ' '), tools).error(),
             "1: the text has 8388625 bytes; expected at most 8388608");
 }
 
 TEST(ModuleProjectFile, AnyBytesAreAProjectOrAnError) {
-  ModuleProject nodes(rj71cn91_settings());
+  ModuleProject nodes(module::rj71cn91::configuration_tool);
   ASSERT_TRUE(nodes.add(*nodes.window("node"), 3));
-  for (const std::string& good : {to_xml(ModuleProject(fx3u_can_settings())), to_xml(nodes)})
+  for (const std::string& good : {to_xml(ModuleProject(module::fx3u_can::configuration_tool)), to_xml(nodes)})
     rc::check([&] {
       std::string text = good;
       const auto changes = *rc::gen::inRange(0, 20);
@@ -209,8 +216,8 @@ TEST(ModuleProjectFile, AnyBytesAreAProjectOrAnError) {
         const auto at = *rc::gen::inRange<std::size_t>(0, text.size());
         text[at] = *rc::gen::arbitrary<char>();
       }
-      const auto read = from_xml(text);
-      if (read) RC_ASSERT(from_xml(to_xml(*read)).has_value());
+      const auto read = from_xml(text, tools);
+      if (read) RC_ASSERT(from_xml(to_xml(*read), tools).has_value());
     });
 }
 

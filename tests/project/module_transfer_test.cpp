@@ -8,6 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/module/fx3u_can/configuration_tool.hpp"
+
 namespace canopus::project::module_transfer_test {
 namespace {
 
@@ -81,7 +83,7 @@ class ModuleTransferTest : public testing::Test {
                                    [&](const TransferStep& step) { steps_.push_back(step); });
     return done ? "" : done.error();
   }
-  ModuleProject project_{fx3u_can_settings()};
+  ModuleProject project_{module::fx3u_can::configuration_tool};
   FakeModule module_;
   std::vector<TransferStep> steps_;
 };
@@ -94,7 +96,7 @@ TEST_F(ModuleTransferTest, BasicSettingsAreWordsThatAreSaved) {
   set("basic", "SDO timeout", "1000");
   EXPECT_EQ(write("basic"), "");
   EXPECT_THAT(module_.log, ElementsAre("G24=500", "G26=123", "G27=2", "G71=1000", "saved words"));
-  ModuleProject other(fx3u_can_settings());
+  ModuleProject other(module::fx3u_can::configuration_tool);
   ASSERT_TRUE(read_module(other, "basic", {}, 0, module_));
   EXPECT_EQ(other.value("basic", "FROM/TO Watchdog"), 1230U);
   EXPECT_EQ(other.value("basic", "Node ID"), 2U);
@@ -142,7 +144,7 @@ TEST_F(ModuleTransferTest, TheAreaSaysWhichPdos) {
   EXPECT_THAT(touched({}), ElementsAre("rpdo 1", "rpdo 2", "rpdo 3", "rpdo 4"));
   EXPECT_THAT(touched({3, 0xFFFF}), ElementsAre("rpdo 3", "rpdo 4"));
   EXPECT_THAT(touched({2, 3}), ElementsAre("rpdo 2", "rpdo 3"));
-  ModuleProject other(fx3u_can_settings());
+  ModuleProject other(module::fx3u_can::configuration_tool);
   ASSERT_TRUE(read_module(other, "rpdo", {2, 3}, 0, module_));
   EXPECT_THAT(other.rows(*other.window("rpdo")), SizeIs(2));
 }
@@ -179,7 +181,7 @@ TEST_F(ModuleTransferTest, NmtSettingsAreBitsAndObjects) {
                   "1F90:03=0000", "G70=600", "1F81:05=00FA021D", "1F81:09=00000000", "1F84:05=000F0191",
                   "1F85:05=00000195", "1F86:05=00000401", "1F87:05=00010000", "1F88:05=00000007",
                   "1016:01=000505DC", "1017:00=03E8", "1010:01=65766173", "saved words"));
-  ModuleProject other(fx3u_can_settings());
+  ModuleProject other(module::fx3u_can::configuration_tool);
   ASSERT_TRUE(read_module(other, "nmt", {}, 0, module_));
   EXPECT_EQ(other.rows(*other.window("slave")).at(5).values,
             project_.rows(*project_.window("slave")).at(5).values);

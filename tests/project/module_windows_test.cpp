@@ -7,11 +7,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/module/fx3u_can/configuration_tool.hpp"
+
 namespace canopus::project::module_windows_test {
 namespace {
 
 const Window& window(std::string_view word) {
-  const auto& all = fx3u_can_settings().windows;
+  const auto& all = module::fx3u_can::configuration_tool.windows;
   return *std::ranges::find(all, word, &Window::word);
 }
 
@@ -116,33 +118,33 @@ TEST(ModuleWindows, DefaultCobIdsFollowPdoNumberAndNodeId) {
 
 TEST(ModuleWindows, MappedObjectsHaveTheNamesOfTheDetailsWindow) {
   RecordProperty("spec", "FX3U-TOOL-003");
-  EXPECT_EQ(fx3u_can_settings().object_name(0xA1000110),
+  EXPECT_EQ(module::fx3u_can::configuration_tool.object_name(0xA1000110),
             "BFM Area Unsigned16 (PLC write access), BFM#11000 (TO)");
-  EXPECT_EQ(fx3u_can_settings().object_name(0xA0000108),
+  EXPECT_EQ(module::fx3u_can::configuration_tool.object_name(0xA0000108),
             "BFM Area Integer8 (PLC write access), BFM#11000 LByte (TO)");
-  EXPECT_EQ(fx3u_can_settings().object_name(0xA0000208),
+  EXPECT_EQ(module::fx3u_can::configuration_tool.object_name(0xA0000208),
             "BFM Area Integer8 (PLC write access), BFM#11000 HByte (TO)");
-  EXPECT_EQ(fx3u_can_settings().object_name(0xA042A008),
+  EXPECT_EQ(module::fx3u_can::configuration_tool.object_name(0xA042A008),
             "BFM Area Unsigned8 (PLC write access), BFM#11319 HByte (TO)");
-  EXPECT_EQ(fx3u_can_settings().object_name(0xA042A108), "");
-  EXPECT_EQ(fx3u_can_settings().object_name(0xA1020110),
+  EXPECT_EQ(module::fx3u_can::configuration_tool.object_name(0xA042A108), "");
+  EXPECT_EQ(module::fx3u_can::configuration_tool.object_name(0xA1020110),
             "BFM Area Unsigned16 (PLC write access), BFM#11240 (TO)");
-  EXPECT_EQ(fx3u_can_settings().object_name(0xA1025010),
+  EXPECT_EQ(module::fx3u_can::configuration_tool.object_name(0xA1025010),
             "BFM Area Unsigned16 (PLC write access), BFM#11319 (TO)");
-  EXPECT_EQ(fx3u_can_settings().object_name(0xA1C00120),
+  EXPECT_EQ(module::fx3u_can::configuration_tool.object_name(0xA1C00120),
             "BFM Area Integer32 (PLC write access), BFM#11001, #11000 (TO)");
-  EXPECT_EQ(fx3u_can_settings().object_name(0xA240A020),
+  EXPECT_EQ(module::fx3u_can::configuration_tool.object_name(0xA240A020),
             "BFM Area Float (PLC write access), BFM#11319, #11318 (TO)");
-  EXPECT_EQ(fx3u_can_settings().object_name(0xA4800108),
+  EXPECT_EQ(module::fx3u_can::configuration_tool.object_name(0xA4800108),
             "BFM Area Integer8 (PLC read access), BFM#10000 LByte (FROM)");
-  EXPECT_EQ(fx3u_can_settings().object_name(0xA5800110),
+  EXPECT_EQ(module::fx3u_can::configuration_tool.object_name(0xA5800110),
             "BFM Area Unsigned16 (PLC read access), BFM#10000 (FROM)");
-  EXPECT_EQ(fx3u_can_settings().object_name(0xA6C0A020),
+  EXPECT_EQ(module::fx3u_can::configuration_tool.object_name(0xA6C0A020),
             "BFM Area Float (PLC read access), BFM#10319, #10318 (FROM)");
-  EXPECT_EQ(fx3u_can_settings().object_name(0x00050008), "Dummy Unsigned 8 bit");
-  EXPECT_EQ(fx3u_can_settings().object_name(0x00070020), "Dummy Unsigned 32 bit");
-  EXPECT_EQ(fx3u_can_settings().object_name(0xA1000120), "") << "of another width";
-  EXPECT_EQ(fx3u_can_settings().object_name(0x60000108), "");
+  EXPECT_EQ(module::fx3u_can::configuration_tool.object_name(0x00050008), "Dummy Unsigned 8 bit");
+  EXPECT_EQ(module::fx3u_can::configuration_tool.object_name(0x00070020), "Dummy Unsigned 32 bit");
+  EXPECT_EQ(module::fx3u_can::configuration_tool.object_name(0xA1000120), "") << "of another width";
+  EXPECT_EQ(module::fx3u_can::configuration_tool.object_name(0x60000108), "");
 }
 
 TEST(ModuleWindows, ValuesAreWrittenAndReadAsTheWindowShowsThem) {

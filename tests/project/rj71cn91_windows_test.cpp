@@ -2,12 +2,15 @@
 // [RJ71CN91 3.1].
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/module/fx3u_can/configuration_tool.hpp"
+#include "canopus/module/rj71cn91/configuration_tool.hpp"
 #include "canopus/project/module_project.hpp"
 #include "canopus/project/module_project_file.hpp"
 
@@ -21,8 +24,11 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
+constexpr std::array<const module::ConfigurationTool*, 2> tools{&module::fx3u_can::configuration_tool,
+                                                                &module::rj71cn91::configuration_tool};
+
 const Window& rj71_window(std::string_view word) {
-  const auto& all = rj71cn91_settings().windows;
+  const auto& all = module::rj71cn91::configuration_tool.windows;
   return *std::ranges::find(all, word, &Window::word);
 }
 
@@ -165,7 +171,7 @@ class Rj71Project : public testing::Test {
       texts.push_back((finding.is_error ? "E " : "W ") + finding.text);
     return texts;
   }
-  ModuleProject project_{rj71cn91_settings()};
+  ModuleProject project_{module::rj71cn91::configuration_tool};
 };
 
 TEST_F(Rj71Project, ModuleAddressIsIn16PointUnits) {
@@ -256,18 +262,18 @@ TEST_F(Rj71Project, TheFileBringsEverythingBack) {
   ASSERT_TRUE(project_.set_mapping(*project_.window("tpdo"), 256, {0xA1040810}));
   const std::string text = to_xml(project_);
   EXPECT_THAT(text, HasSubstr("<canopus-module model=\"RJ71CN91\" format=\"1\">"));
-  const auto back = from_xml(text);
+  const auto back = from_xml(text, tools);
   ASSERT_TRUE(back) << back.error();
   EXPECT_EQ(to_xml(*back), text);
   EXPECT_EQ(back->rows(*back->window("node")).at(3).name, "  a <b> &amp; \"c\"  ");
   // A newer format is refused.
   std::string newer = text;
   newer.replace(newer.find("format=\"1\""), 10, "format=\"2\"");
-  EXPECT_THAT(from_xml(newer).error(), HasSubstr("the file is newer"));
+  EXPECT_THAT(from_xml(newer, tools).error(), HasSubstr("the file is newer"));
   // The windows are the module's own.
   std::string other = text;
   other.replace(other.find("RJ71CN91"), 8, "FX3U-CAN");
-  EXPECT_THAT(from_xml(other).error(), HasSubstr("basic has no field \"Module address\""));
+  EXPECT_THAT(from_xml(other, tools).error(), HasSubstr("basic has no field \"Module address\""));
 }
 
 TEST_F(Rj71Project, TheCheckTellsWhatHasNoEffect) {
@@ -285,7 +291,7 @@ TEST_F(Rj71Project, TheCheckTellsWhatHasNoEffect) {
 }
 
 TEST(Rj71Tool, MappedObjectsHaveTheNamesOfTheDetailsWindow) {
-  const auto name = rj71cn91_settings().object_name;
+  const auto name = module::rj71cn91::configuration_tool.object_name;
   EXPECT_EQ(name(0xA1000110), "Buffer Memory Area Unsigned16, Un\\G13000");
   EXPECT_EQ(name(0xA100FE10), "Buffer Memory Area Unsigned16, Un\\G13253");
   EXPECT_EQ(name(0xA1010110), "Buffer Memory Area Unsigned16, Un\\G13254");

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/events/event_printer.hpp"
-#include "canopus/cli/events/module_ways.hpp"
 #include "canopus/cli/events/web_objects.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
 #include "canopus/cli/terminal/domain_words.hpp"
@@ -51,8 +50,8 @@ std::optional<std::vector<std::uint8_t>> bytes_of_digits(std::string_view digits
   return bytes;
 }
 
-text::Json json_of(const ModuleWay& way) {
-  return {{"offered", way.kind != ModuleWay::Kind::none}, {"how", way.how}};
+text::Json json_of(const module::ResetRequest& request) {
+  return {{"offered", request.kind != module::ResetRequest::Kind::none}, {"how", request.text}};
 }
 
 }  // namespace
@@ -80,9 +79,8 @@ std::string errors_event(plant::Plant& plant, const text::Json& wish) {
   event["groups"] = modules[number].is_on
                         ? serve::error_groups(plant::error_history(*entry, plant.module(number), now))
                         : text::Json::array();
-  const ModuleWays& ways = module_ways(entry->data_sheet->model);
-  event["clear"] = json_of(ways.clear);
-  event["reset"] = json_of(ways.restart);
+  event["clear"] = json_of(entry->reset_procedure->clear_errors);
+  event["reset"] = json_of(entry->reset_procedure->restart);
   return view_event(event);
 }
 

@@ -7,6 +7,7 @@
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -14,13 +15,16 @@ namespace {
 using Action = int (*)(const ConfigureArguments&);
 
 std::string why_no_model(const std::string& name) {
-  if (project::find_module_model(name) != nullptr) return {};
-  return fmt::format("\"{}\" is not known; expected one of {}", name, project::module_model_names());
+  if (project::find_tool(plant::configuration_tools(), name) != nullptr) return {};
+  return fmt::format("\"{}\" is not known; expected one of {}", name,
+                     project::models_of(plant::configuration_tools()));
 }
 
 void add_model_option(Command& command, ConfigureArguments& arguments) {
-  arguments.model = project::fx3u_can_settings().name;
-  command.add_option("--model", arguments.model, "the module: " + project::module_model_names())
+  arguments.model = plant::configuration_tools().front()->model;
+  command
+      .add_option("--model", arguments.model,
+                  "the module: " + project::models_of(plant::configuration_tools()))
       ->type_name("MODEL")
       ->check(why_no_model)
       ->capture_default_str();
@@ -290,7 +294,8 @@ namespace {
 void build_configure_command(Command& group, int& exit_code) {
   group.require_subcommand(1);
   group.footer(
-      "A project holds the settings of one module (FX3U-CAN or RJ71CN91, CANopen 405 mode) and is one XML "
+      "A project holds the settings of one module (" + project::models_of(plant::configuration_tools()) +
+      "; CANopen 405 mode) and is one XML "
       "file.\n"
       "Exit codes: 0 done, 1 the module or the PLC refused or cannot be reached, 2 wrong command line, "
       "project or file,\n"

@@ -1,19 +1,26 @@
 #include "canopus/cli/project/project_access.hpp"
 
 #include "canopus/cli/project/project_files.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
 
 namespace canopus::cli {
 namespace {
 
-/// The project's module, else the one that was told, else the one that goes with the PLC.
-const project::ModuleModel& model_of(const ConfigureArguments& arguments,
-                                     const project::ModuleProject* project, client::PlcClient& client) {
-  if (project != nullptr) return project->model();
-  const project::ModuleModel* const told =
-      project::find_module_model(arguments.model.empty() ? arguments.plc.module : arguments.model);
-  if (told != nullptr) return *told;
+/// Of the project's module, else of the one that the command line names, else of the one that fits into the PLC's rack.
+const module::ConfigurationTool& tool_of(const ConfigureArguments& arguments,
+                                         const project::ModuleProject* project, client::PlcClient& client) {
+  if (project != nullptr) return project->tool();
+  const auto tools = plant::configuration_tools();
+  const auto* const named =
+      project::find_tool(tools, arguments.model.empty() ? arguments.plc.module : arguments.model);
+  if (named != nullptr) return *named;
   const auto type = client.read_type();  // an FX3 has no answer to this
-  return type && type->name.starts_with('R') ? project::rj71cn91_settings() : project::fx3u_can_settings();
+  const plc::CpuFamily family =
+      type && type->name.starts_with('R') ? plc::CpuFamily::iqr : plc::CpuFamily::fx3;
+  return **std::ranges::find_if(tools, [&](const auto* tool) {
+    const auto families = plant::find_module(tool->model)->families;
+    return std::ranges::find(families, family) != families.end();
+  });
 }
 
 }  // namespace
@@ -26,7 +33,7 @@ int with_module(const ConfigureArguments& arguments, const project::ModuleProjec
                                                     : 0;
   return with_client(arguments.plc, [&](client::PlcClient& client) {
     client::PlcModule module(client, static_cast<std::uint16_t>(number),
-                             model_of(arguments, project, client).request_way);
+                             tool_of(arguments, project, client).request_method);
     if (const auto ready = module.wait_until_ready(); !ready)
       return configure_failed(configure_code::failed, ready.error());
     return action(client, module);

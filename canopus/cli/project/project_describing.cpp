@@ -4,6 +4,7 @@
 
 #include "canopus/cli/project/configure_command.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/project/mappable_objects.hpp"
 #include "canopus/text/json.hpp"
 
@@ -68,8 +69,9 @@ DescriptionJson field_json(const Window& window, const Field& field) {
 }  // namespace
 
 int describe_windows(const ConfigureArguments& arguments) {
-  const project::ModuleModel* const model = project::find_module_model(arguments.model);
-  for (const Window& window : model->windows) {
+  const module::ConfigurationTool* const tool =
+      project::find_tool(plant::configuration_tools(), arguments.model);
+  for (const Window& window : tool->windows) {
     if (!arguments.window.empty() && arguments.window != window.word) continue;
     if (arguments.json) {
       print_json(window_json(window));
@@ -89,10 +91,11 @@ int describe_windows(const ConfigureArguments& arguments) {
 }
 
 int list_mappable_objects(const ConfigureArguments& arguments) {
-  const project::ModuleModel* const model = project::find_module_model(arguments.model);
-  for (const Window& window : model->windows) {
+  const module::ConfigurationTool* const tool =
+      project::find_tool(plant::configuration_tools(), arguments.model);
+  for (const Window& window : tool->windows) {
     if (window.mapping == 0 || (!arguments.window.empty() && arguments.window != window.word)) continue;
-    for (const project::MappableObjects& named : project::mappable_objects(*model, window)) {
+    for (const project::MappableObjects& named : project::mappable_objects(*tool, window)) {
       DescriptionJson json{{"window", window.word}, {"name", named.name}, {"bits", named.bits}};
       for (const auto& [index, sub, description] : named.objects) {
         if (arguments.json) {

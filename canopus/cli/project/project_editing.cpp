@@ -7,6 +7,7 @@
 #include "canopus/cli/project/configure_command.hpp"
 #include "canopus/cli/project/project_files.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/project/module_project.hpp"
 #include "canopus/text/json.hpp"
 
@@ -29,7 +30,7 @@ std::expected<Place, std::string> place_of(const ModuleProject& project, const s
   const Window* const window = project.window(text.substr(0, slash));
   if (window == nullptr) {
     std::vector<std::string_view> known;
-    for (const Window& each : project.model().windows) known.push_back(each.word);
+    for (const Window& each : project.tool().windows) known.push_back(each.word);
     return std::unexpected(fmt::format("\"{}\" is no window; expected one of {}", text.substr(0, slash),
                                        fmt::join(known, ", ")));
   }
@@ -89,7 +90,7 @@ std::expected<std::vector<std::uint32_t>, std::string> parse_mapping(std::string
 }
 
 std::string described(const ModuleProject& project, std::uint32_t entry) {
-  const std::string name = project.model().object_name(entry);
+  const std::string name = project.tool().object_name(entry);
   return fmt::format("{:04X}:{:02X}:{} {}", entry >> 16, entry >> 8 & 0xFF, entry & 0xFF,
                      name.empty() ? "?" : name);
 }
@@ -139,13 +140,14 @@ void print_row(const ModuleProject& project, const Window& window, std::uint32_t
 }  // namespace
 
 int new_project(const ConfigureArguments& arguments) {
-  const project::ModuleModel* const model = project::find_module_model(arguments.model);
+  const module::ConfigurationTool* const tool =
+      project::find_tool(plant::configuration_tools(), arguments.model);
   if (std::filesystem::exists(arguments.file)) {
     return configure_failed(configure_code::usage, fmt::format("{}: is there already", arguments.file));
   }
-  ModuleProject project(*model);
+  ModuleProject project(*tool);
   if (arguments.module_number >= 0) {
-    const bool has_number = model->request_way == project::RequestWay::words;
+    const bool has_number = tool->request_method == module::RequestMethod::words;
     const auto set = project.set(*project.window("basic"), 0, has_number ? "Module number" : "Module address",
                                  std::to_string(arguments.module_number * (has_number ? 1 : 0x10)));
     if (!set) return configure_failed(configure_code::usage, set.error());
@@ -161,7 +163,7 @@ int show_project(const ConfigureArguments& arguments) {
   const auto project = load_project(arguments.file);
   if (!project) return configure_failed(configure_code::usage, project.error());
   remember_project(arguments.file);
-  for (const Window& window : project->model().windows) {
+  for (const Window& window : project->tool().windows) {
     if (!arguments.window.empty() && arguments.window != window.word) continue;
     for (const auto& [key, row] : project->rows(window)) {
       if (arguments.json) {

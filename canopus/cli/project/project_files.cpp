@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/setups/user_state.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/project/module_project_file.hpp"
 #include "canopus/store/files.hpp"
 #include "canopus/store/inner_path.hpp"
@@ -42,7 +43,7 @@ fs::path list_path() {
 std::expected<project::ModuleProject, std::string> load_project(const std::string& path) {
   const auto text = read_text(path);
   if (!text) return std::unexpected(text.error());
-  auto project = project::from_xml(*text);
+  auto project = project::from_xml(*text, plant::configuration_tools());
   if (!project) return std::unexpected(fmt::format("{}:{}", path, project.error()));
   return project;
 }

@@ -317,10 +317,9 @@ int show_module_status(const ConfigureArguments& arguments) {
     say("CAN transmission errors", fmt::format("{}", word(35)));
     say("CAN reception errors", fmt::format("{}", word(36)));
     say("Error status", fmt::format("{:04X}H", word(29)));
-    const bool is_asked_by_signals = module.request_way() == project::RequestWay::signals;
-    const project::ModuleModel& model =
-        is_asked_by_signals ? project::rj71cn91_settings() : project::fx3u_can_settings();
-    const module::ErrorTables& tables = *plant::find_module(model.name)->errors;
+    const auto tool = std::ranges::find(plant::configuration_tools(), module.request_method(),
+                                        [](const auto* each) { return each->request_method; });
+    const module::ErrorTables& tables = *plant::find_module((*tool)->model)->errors;
     for (const module::ErrorWords& row : tables.words) {
       if (row.kind != module::ErrorWords::Kind::bits) continue;
       for (const module::ErrorText& text : row.texts) {

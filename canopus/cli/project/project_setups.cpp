@@ -13,6 +13,7 @@
 #include "canopus/cli/setups/transfer_setups.hpp"
 #include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/project/module_windows.hpp"
 #include "canopus/text/json.hpp"
 
@@ -204,12 +205,14 @@ void add_setup_options(Command& command, SetupArguments& arguments) {
       ->type_name("TYPE")
       ->check(one_of_words(types));
   command
-      .add_option("--model", arguments.model, "of the module: " + project::module_model_names() + " [any]")
+      .add_option("--model", arguments.model,
+                  "of the module: " + project::models_of(plant::configuration_tools()) + " [any]")
       ->type_name("MODEL")
       ->check([](const std::string& name) {
-        if (name == "any" || project::find_module_model(name) != nullptr) return std::string();
+        if (name == "any" || project::find_tool(plant::configuration_tools(), name) != nullptr)
+          return std::string();
         return fmt::format("\"{}\" is not known; expected any or one of {}", name,
-                           project::module_model_names());
+                           project::models_of(plant::configuration_tools()));
       });
 }
 

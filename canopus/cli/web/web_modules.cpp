@@ -7,20 +7,25 @@
 
 #include <fmt/format.h>
 
+#include "canopus/plant/catalogue/module_catalogue.hpp"
+
 namespace canopus::cli {
 namespace {
 
-using Kind = ModuleWay::Kind;
+using module::ResetRequest;
+using Kind = ResetRequest::Kind;
 
 /// Between two looks at the module, as a program's scan would have it.
 constexpr can::Duration look_interval = std::chrono::milliseconds(1);
 
-/// "Y0F", as the manual writes it in `how`; and the X that belongs to it.
-std::string output_name(const ModuleWay& way) { return std::string(way.how.substr(0, way.how.find(' '))); }
-std::string input_name(const ModuleWay& way) { return "X" + output_name(way).substr(1); }
+/// "Y0F", as the manual writes it in `text`; and the X that belongs to it.
+std::string output_name(const ResetRequest& request) {
+  return std::string(request.text.substr(0, request.text.find(' ')));
+}
+std::string input_name(const ResetRequest& request) { return "X" + output_name(request).substr(1); }
 
-std::uint32_t point_of(const plant::ModuleSection& section, const ModuleWay& way) {
-  return section.head + way.signal;
+std::uint32_t point_of(const plant::ModuleSection& section, const ResetRequest& request) {
+  return section.head + request.signal;
 }
 
 bool is_on(plc::Rack& rack, plc::Device device, std::uint32_t number, can::Time now) {
@@ -79,24 +84,24 @@ std::expected<WebModules::Job, std::string> WebModules::job_of(const text::Json&
   };
   if (std::ranges::any_of(jobs_, [&](const Job& other) { return other.module == job.module; }))
     return refuse("another request of the page is not yet over; it goes on with plant time");
-  job.ways = &module_ways(plant_.module(job.module).model());
-  if (job.way().kind == Kind::none) return refuse(job.way().how);
+  job.procedure = plant::find_module(plant_.module(job.module).model())->reset_procedure;
+  if (job.request().kind == Kind::none) return refuse(job.request().text);
   for (std::size_t i = 0; i < plant_.plc_count() && job.rack == nullptr; ++i) {
     if (plant_.rack(i).module_at(section.head) == &plant_.module(job.module)) job.rack = &plant_.rack(i);
   }
   if (job.rack == nullptr || !status.is_on) return refuse("the PLC has no supply");
-  if (job.way().kind == Kind::word) {
+  if (job.request().kind == Kind::word) {
     // Other words than these are refused then, and that would be one error more [FX3U-CAN 6.8].
     if (!is_restart && initializes(job.module, plant_.timeline().now()))
       return refuse("it still initializes, and takes no words");
     return job;
   }
-  const std::string y = output_name(job.way());
+  const std::string y = output_name(job.request());
   if (job.rack->cpu_state() == module::CpuState::stop)
     return refuse(fmt::format("the CPU is in STOP, where its Y are OFF: {} wants RUN", y));
   if (job.rack->is_paused())
     return refuse(fmt::format("the CPU is in PAUSE, where its Y stay as they are: {} wants RUN", y));
-  if (is_on(*job.rack, plc::Device::y, point_of(section, job.way()), plant_.timeline().now()))
+  if (is_on(*job.rack, plc::Device::y, point_of(section, job.request()), plant_.timeline().now()))
     return refuse(fmt::format("{} is ON already: somebody else asks for the same", y));
   return job;
 }
@@ -114,11 +119,11 @@ void WebModules::begin(const text::Json& wish, bool is_restart, Done done) {
   job->began = now;
   job->until = can::later(now, longest);
   job->done = std::move(done);
-  if (job->way().kind == Kind::signal) {
-    set_output(*job->rack, point_of(section, job->way()), true, now);
+  if (job->request().kind == Kind::signal) {
+    set_output(*job->rack, point_of(section, job->request()), true, now);
   } else {
-    const std::uint16_t value = job->way().value;
-    (void)job->rack->write_buffer(section.head, job->way().word, std::span(&value, 1), now);
+    const std::uint16_t value = job->request().value;
+    (void)job->rack->write_buffer(section.head, job->request().word, std::span(&value, 1), now);
   }
   if (jobs_.empty()) next_ = can::later(now, look_interval);
   jobs_.push_back(std::move(*job));
@@ -144,12 +149,12 @@ void WebModules::step(Job& job, can::Time now) {
     job.is_over = true;
     return;
   }
-  if (job.way().kind == Kind::signal) return step_signal(job, now);
+  if (job.request().kind == Kind::signal) return step_signal(job, now);
   step_word(job, now);
 }
 
 void WebModules::step_signal(Job& job, can::Time now) {
-  const std::uint32_t point = point_of(plant_.module_section(job.module), job.way());
+  const std::uint32_t point = point_of(plant_.module_section(job.module), job.request());
   plc::Rack& rack = *job.rack;
   const bool is_stopped = rack.cpu_state() == module::CpuState::stop;
   if (job.step == Step::in_stop) {
@@ -159,22 +164,22 @@ void WebModules::step_signal(Job& job, can::Time now) {
     return;
   }
   if (is_stopped && job.step == Step::asked) {
-    fail(job,
-         fmt::format("the CPU went to STOP meanwhile, and {} OFF with all its Y", output_name(job.way())));
+    fail(job, fmt::format("the CPU went to STOP meanwhile, and {} OFF with all its Y",
+                          output_name(job.request())));
     job.step = Step::in_stop;
     return;
   }
   // With a scan of its own the rack shows the module's X, and the module the Y, later.
   const module::SignalAccess& signals = *plant_.module(job.module).signals();
-  const bool is_seen = (signals.outputs() >> job.way().signal & 1U) != 0;
+  const bool is_seen = (signals.outputs() >> job.request().signal & 1U) != 0;
   const bool answer = is_on(rack, plc::Device::x, point, now);
   if (job.step == Step::asked) {
     const bool is_answered = is_seen && answer == job.is_restart;
     if (!is_answered && now < job.until) return;
     if (!is_answered) {
-      job.trouble =
-          fmt::format("{} stays {} for {} s; {} is OFF again", input_name(job.way()), answer ? "ON" : "OFF",
-                      can::seconds(now) - can::seconds(job.began), output_name(job.way()));
+      job.trouble = fmt::format("{} stays {} for {} s; {} is OFF again", input_name(job.request()),
+                                answer ? "ON" : "OFF", can::seconds(now) - can::seconds(job.began),
+                                output_name(job.request()));
     }
     job.took = now - job.began;
     set_output(rack, point, false, now);
@@ -200,11 +205,12 @@ void WebModules::end(Job& job, can::Time now) {
   job.is_over = true;
   if (!job.trouble.empty()) return fail(job, job.trouble);
   const double seconds = std::chrono::duration<double>(job.took).count();
-  job.result = Json{
-      {"module", plant_.modules()[job.module].label.name},
-      {"said", job.is_restart ? fmt::format("restarted in {:.3f} s: {}", seconds, job.way().how)
-                              : fmt::format("errors cleared: {}{}", job.way().how, still_wrong(job, now))},
-      {"seconds", seconds}};
+  job.result =
+      Json{{"module", plant_.modules()[job.module].label.name},
+           {"said", job.is_restart
+                        ? fmt::format("restarted in {:.3f} s: {}", seconds, job.request().text)
+                        : fmt::format("errors cleared: {}{}", job.request().text, still_wrong(job, now))},
+           {"seconds", seconds}};
   job.has_result = true;
 }
 
@@ -225,10 +231,10 @@ bool WebModules::initializes(std::size_t module, can::Time now) const {
 /// What has come back, or never went.
 std::string WebModules::still_wrong(const Job& job, can::Time now) const {
   module::BufferMemoryAccess* const buffer = plant_.module(job.module).buffer_memory();
-  if (buffer == nullptr || job.ways->error_word_name.empty()) return {};
-  const std::uint16_t errors = buffer->look_at_word(job.ways->error_word, now);
+  if (buffer == nullptr || job.procedure->error_word_name.empty()) return {};
+  const std::uint16_t errors = buffer->look_at_word(job.procedure->error_word, now);
   if (errors == 0) return {};
-  return fmt::format("; {} is {:04X}H: that is still wrong", job.ways->error_word_name, errors);
+  return fmt::format("; {} is {:04X}H: that is still wrong", job.procedure->error_word_name, errors);
 }
 
 }  // namespace canopus::cli

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "canopus/can/timeline.hpp"
-#include "canopus/cli/events/module_ways.hpp"
 #include "canopus/link/loop_clock.hpp"
+#include "canopus/module/interface/reset_procedure.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/text/json.hpp"
 
@@ -50,7 +50,7 @@ class WebModules final : private can::Ticker {
   struct Job {
     std::size_t module = 0;
     plc::Rack* rack = nullptr;
-    const ModuleWays* ways = nullptr;
+    const module::ResetProcedure* procedure = nullptr;
     bool is_restart = false;
     Step step = Step::asked;
     can::Time began{};
@@ -62,7 +62,9 @@ class WebModules final : private can::Ticker {
     bool has_result = false;
     bool is_over = false;
 
-    [[nodiscard]] const ModuleWay& way() const noexcept { return is_restart ? ways->restart : ways->clear; }
+    [[nodiscard]] const module::ResetRequest& request() const noexcept {
+      return is_restart ? procedure->restart : procedure->clear_errors;
+    }
   };
 
   // can::Ticker

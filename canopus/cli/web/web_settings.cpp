@@ -9,7 +9,7 @@ std::expected<WebSettings, std::string> read_web_settings(const std::string& fil
   const auto project = load_project(file);
   if (!project) return std::unexpected(project.error());
   return WebSettings{.file = file,
-                     .model = std::string(project->model().name),
+                     .model = std::string(project->tool().model),
                      .head = points_of_module * project->unit_number()};
 }
 

@@ -121,12 +121,6 @@ void write_pdo(manager::ConciseDcfWriter& file, const SlavePdo& pdo, std::uint8_
 
 }  // namespace
 
-unsigned SlavePdo::bytes() const noexcept {
-  unsigned bits = 0;
-  for (const MappedObject& object : objects) bits += object.bits;
-  return (bits + 7) / 8;
-}
-
 std::vector<std::string> check(const Configuration& configuration) {
   Checker errors;
   if (configuration.node_id < 1 || configuration.node_id > 127)

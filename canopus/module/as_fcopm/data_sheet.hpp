@@ -4,6 +4,7 @@
 #include <array>
 
 #include "canopus/module/interface/data_sheet.hpp"
+#include "canopus/module/interface/reset_procedure.hpp"
 
 namespace canopus::module::as_fcopm {
 
@@ -55,6 +56,12 @@ inline constexpr DataSheet data_sheet{
     .bus_lengths = bus_length_facts,
     .modules_per_cpu = cpu_facts,
     .properties = property_facts,
+};
+
+// [AS-FCOPM 10.5.1]
+inline constexpr ResetProcedure reset_procedure{
+    .clear_errors = {.text = "its codes go by themselves when their cause is gone"},
+    .restart = {.text = "it starts with the PLC's supply alone"},
 };
 
 }  // namespace canopus::module::as_fcopm

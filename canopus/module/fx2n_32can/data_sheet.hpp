@@ -4,6 +4,7 @@
 #include <array>
 
 #include "canopus/module/interface/data_sheet.hpp"
+#include "canopus/module/interface/reset_procedure.hpp"
 
 namespace canopus::module::fx2n_32can {
 
@@ -57,6 +58,14 @@ inline constexpr DataSheet data_sheet{
     .bus_lengths = bus_length_facts,
     .modules_per_cpu = cpu_facts,
     .properties = property_facts,
+};
+
+// [FX2N-32CAN 4.2.4, 4.2.7]
+inline constexpr ResetProcedure reset_procedure{
+    .clear_errors = {.kind = ResetRequest::Kind::word, .word = 29, .value = 0, .text = "0 into BFM #29"},
+    .restart = {.kind = ResetRequest::Kind::word, .word = 25, .value = 1, .text = "bit 0 into BFM #25"},
+    .error_word = 29,
+    .error_word_name = "BFM #29",
 };
 
 }  // namespace canopus::module::fx2n_32can

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "canopus/module/interface/data_sheet.hpp"
+#include "canopus/module/interface/reset_procedure.hpp"
 
 namespace canopus::module::fx3u_can {
 
@@ -84,6 +85,14 @@ inline constexpr DataSheet data_sheet{
     .bus_lengths = bus_length_facts,
     .modules_per_cpu = cpu_facts,
     .properties = property_facts,
+};
+
+// [FX3U-CAN 6.8, 6.17, 14.2]
+inline constexpr ResetProcedure reset_procedure{
+    .clear_errors = {.kind = ResetRequest::Kind::word, .word = 29, .value = 0, .text = "0 into BFM #29"},
+    .restart = {.kind = ResetRequest::Kind::word, .word = 25, .value = 1, .text = "bit 0 into BFM #25"},
+    .error_word = 29,
+    .error_word_name = "BFM #29",
 };
 
 }  // namespace canopus::module::fx3u_can

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "canopus/module/interface/data_sheet.hpp"
+#include "canopus/module/interface/reset_procedure.hpp"
 
 namespace canopus::module::me3can1_q {
 
@@ -96,6 +97,14 @@ inline constexpr DataSheet data_sheet{
     .bus_lengths = bus_length_facts,
     .modules_per_cpu = cpu_facts,
     .properties = property_facts,
+};
+
+// [ME3CAN1-Q 3.3.2, 3.5.7]
+inline constexpr ResetProcedure reset_procedure{
+    .clear_errors = {.kind = ResetRequest::Kind::signal, .signal = 0x0F, .text = "Y0F ON until X0F is OFF"},
+    .restart = {.kind = ResetRequest::Kind::signal, .signal = 0x02, .text = "Y02 ON until X02 is ON"},
+    .error_word = 29,
+    .error_word_name = "G29",
 };
 
 }  // namespace canopus::module::me3can1_q

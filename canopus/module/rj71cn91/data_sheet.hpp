@@ -5,6 +5,7 @@
 #include <array>
 
 #include "canopus/module/interface/data_sheet.hpp"
+#include "canopus/module/interface/reset_procedure.hpp"
 
 namespace canopus::module::rj71cn91 {
 
@@ -56,6 +57,14 @@ inline constexpr DataSheet data_sheet{
     .modes = mode_facts,
     .bus_lengths = bus_length_facts,
     .properties = property_facts,
+};
+
+// [RJ71CN91 App. 1]
+inline constexpr ResetProcedure reset_procedure{
+    .clear_errors = {.kind = ResetRequest::Kind::signal, .signal = 0x0F, .text = "YF ON until XF is OFF"},
+    .restart = {.kind = ResetRequest::Kind::signal, .signal = 0x02, .text = "Y2 ON until X2 is ON"},
+    .error_word = 29,
+    .error_word_name = "G29",
 };
 
 }  // namespace canopus::module::rj71cn91

@@ -19,6 +19,7 @@
 #include "canopus/module/fx2n_32can/fx2n_32can.hpp"
 #include "canopus/module/fx2n_32can/object_table.hpp"
 #include "canopus/module/fx3u_can/buffer_table.hpp"
+#include "canopus/module/fx3u_can/configuration_tool.hpp"
 #include "canopus/module/fx3u_can/data_sheet.hpp"
 #include "canopus/module/fx3u_can/error_table.hpp"
 #include "canopus/module/fx3u_can/fx3u_can.hpp"
@@ -29,6 +30,7 @@
 #include "canopus/module/me3can1_q/me3can1_q.hpp"
 #include "canopus/module/me3can1_q/object_table.hpp"
 #include "canopus/module/rj71cn91/buffer_table.hpp"
+#include "canopus/module/rj71cn91/configuration_tool.hpp"
 #include "canopus/module/rj71cn91/data_sheet.hpp"
 #include "canopus/module/rj71cn91/error_table.hpp"
 #include "canopus/module/rj71cn91/object_table.hpp"
@@ -54,8 +56,10 @@ constexpr std::array racks_of_fx3 = {plc::CpuFamily::fx3};
 constexpr std::array racks_of_as300 = {plc::CpuFamily::as300};
 
 /// Of a module that this catalogue has made.
-void download_to_card(module::CommunicationModule& card, module::as_fcopm::Configuration configuration) {
-  static_cast<module::as_fcopm::AsFcopm&>(card).download(std::move(configuration));
+std::vector<std::string> download_to_card(module::CommunicationModule& card, module::Download download) {
+  std::vector<std::string> errors = module::as_fcopm::check(download);
+  if (errors.empty()) static_cast<module::as_fcopm::AsFcopm&>(card).download(std::move(download));
+  return errors;
 }
 
 const std::array catalogue = std::to_array<CatalogueEntry>({
@@ -64,13 +68,16 @@ const std::array catalogue = std::to_array<CatalogueEntry>({
      .stored = module::ModuleSettings::stored_names,
      .make = make<module::me3can1_q::Me3can1Q>,
      .buffer_rows = module::me3can1_q::buffer_table,
-     .errors = &module::me3can1_q::error_tables},
+     .errors = &module::me3can1_q::error_tables,
+     .reset_procedure = &module::me3can1_q::reset_procedure},
     {.data_sheet = &module::rj71cn91::data_sheet,
      .objects = module::rj71cn91::object_dictionary,
      .stored = module::ModuleSettings::stored_names,
      .make = make<module::rj71cn91::Rj71cn91>,
      .buffer_rows = module::rj71cn91::buffer_table,
-     .errors = &module::rj71cn91::error_tables},
+     .errors = &module::rj71cn91::error_tables,
+     .reset_procedure = &module::rj71cn91::reset_procedure,
+     .configuration_tool = &module::rj71cn91::configuration_tool},
     {.data_sheet = &module::fx3u_can::data_sheet,
      .objects = module::fx3u_can::object_dictionary,
      .stored = module::ModuleSettings::stored_names,
@@ -78,14 +85,17 @@ const std::array catalogue = std::to_array<CatalogueEntry>({
      .buffer_rows = module::fx3u_can::buffer_table,
      .families = racks_of_blocks,
      .more_modes = lift_mode,
-     .errors = &module::fx3u_can::error_tables},
+     .errors = &module::fx3u_can::error_tables,
+     .reset_procedure = &module::fx3u_can::reset_procedure,
+     .configuration_tool = &module::fx3u_can::configuration_tool},
     {.data_sheet = &module::fx2n_32can::data_sheet,
      .objects = module::fx2n_32can::object_dictionary,
      .stored = module::ModuleSettings::stored_names,
      .make = make<module::fx2n_32can::Fx2n32Can>,
      .buffer_rows = module::fx2n_32can::buffer_table,
      .families = racks_of_fx3,
-     .errors = &module::fx2n_32can::error_tables},
+     .errors = &module::fx2n_32can::error_tables,
+     .reset_procedure = &module::fx2n_32can::reset_procedure},
     {.data_sheet = &module::as_fcopm::data_sheet,
      .objects = module::as_fcopm::object_dictionary,
      .stored = {},
@@ -93,7 +103,8 @@ const std::array catalogue = std::to_array<CatalogueEntry>({
      .families = racks_of_as300,
      .download = download_to_card,
      .only_place = 2,
-     .errors = &module::as_fcopm::error_tables},
+     .errors = &module::as_fcopm::error_tables,
+     .reset_procedure = &module::as_fcopm::reset_procedure},
 });
 
 bool same_letter(char a, char b) {
@@ -118,6 +129,17 @@ std::uint16_t count_objects(const canopen::DictionaryDescription& objects, unsig
 }  // namespace
 
 std::span<const CatalogueEntry> module_catalogue() noexcept { return catalogue; }
+
+std::span<const module::ConfigurationTool* const> configuration_tools() noexcept {
+  static const auto tools = [] {
+    std::vector<const module::ConfigurationTool*> found;
+    for (const CatalogueEntry& entry : catalogue)
+      if (entry.configuration_tool != nullptr) found.push_back(entry.configuration_tool);
+    std::ranges::sort(found, {}, &module::ConfigurationTool::model);
+    return found;
+  }();
+  return tools;
+}
 
 const CatalogueEntry* find_module(std::string_view model) noexcept {
   const auto found = std::ranges::find_if(catalogue, [&](const CatalogueEntry& e) {

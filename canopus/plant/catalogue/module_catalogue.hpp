@@ -7,14 +7,17 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
 #include "canopus/module/areas/buffer_memory.hpp"
-#include "canopus/module/as_fcopm/configuration.hpp"
 #include "canopus/module/interface/communication_module.hpp"
+#include "canopus/module/interface/configuration_tool.hpp"
 #include "canopus/module/interface/data_sheet.hpp"
+#include "canopus/module/interface/download.hpp"
 #include "canopus/module/interface/error_words.hpp"
 #include "canopus/module/interface/non_volatile_memory.hpp"
+#include "canopus/module/interface/reset_procedure.hpp"
 #include "canopus/plc/cpu/device.hpp"
 
 namespace canopus::plant {
@@ -48,18 +51,25 @@ struct CatalogueEntry {
   std::span<const plc::CpuFamily> families = racks_with_head_addresses;
   /// Function modes whose objects are not those above.
   std::span<const ModeObjects> more_modes{};
-  /// Of a card that CANopen Builder configures: its download. nullptr: it is another module.
-  void (*download)(module::CommunicationModule& module,
-                   module::as_fcopm::Configuration configuration) = nullptr;
+  /// Of a module whose tool downloads a node list: does so, or changes nothing and returns what is wrong with it, a sentence
+  /// each. nullptr: it is another module.
+  std::vector<std::string> (*download)(module::CommunicationModule& module,
+                                       module::Download download) = nullptr;
   /// The one place of the rack that it fits into; 0: any.
   std::uint16_t only_place = 0;
-  /// What its words say of errors; never null.
+  /// The errors that its words show; never null.
   const module::ErrorTables* errors = nullptr;
+  /// How a program clears them and restarts the module; never null.
+  const module::ResetProcedure* reset_procedure = nullptr;
+  /// What its configuration tool sets; nullptr: `canopus configure` is not for it.
+  const module::ConfigurationTool* configuration_tool = nullptr;
 };
 
 [[nodiscard]] std::span<const CatalogueEntry> module_catalogue() noexcept;
 /// By model name in any case; nullptr when there is no such module.
 [[nodiscard]] const CatalogueEntry* find_module(std::string_view model) noexcept;
+/// Those of the modules that have one, by model.
+[[nodiscard]] std::span<const module::ConfigurationTool* const> configuration_tools() noexcept;
 /// The models there are, each between quotes: "A", "B".
 [[nodiscard]] std::string quoted_models();
 

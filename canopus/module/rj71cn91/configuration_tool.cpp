@@ -1,14 +1,14 @@
 // The windows of the RJ71CN91's configuration tool [RJ71CN91 3.1].
 
-#include <fmt/format.h>
+#include "canopus/module/rj71cn91/configuration_tool.hpp"
 
-#include "canopus/project/window_fields.hpp"
+#include "canopus/module/intelligent/window_fields.hpp"
 
-namespace canopus::project {
+namespace canopus::module::rj71cn91 {
 namespace {
 
 constexpr std::array rj71_basic{
-    Field{.name = "Module address",
+    SettingField{.name = "Module address",
           .unit = "",
           .highest = 0xFE0,
           .step = 0x10,
@@ -25,7 +25,7 @@ constexpr std::array rj71_lists = window_fields::windows_of_lists(256, rj71_mast
 
 constexpr std::array<std::string_view, 2> download_targets{"CPU module", "Target node"};
 constexpr std::array rj71_nodes{
-    Field{.name = "Download target",
+    SettingField{.name = "Download target",
           .unit = "",
           .highest = 1,
           .words = download_targets,
@@ -34,9 +34,9 @@ constexpr std::array rj71_nodes{
 };
 
 constexpr std::array rj71_windows{
-    Window{
+    SettingWindow{
         .word = "basic", .title = "CANopen Configuration", .key = "", .fields = rj71_basic, .part = "basic"},
-    Window{.word = "node",
+    SettingWindow{.word = "node",
            .title = "CANopen node list",
            .key = "Node ID",
            .most_key = 127,
@@ -69,11 +69,11 @@ constexpr std::uint32_t elements_of_object = 0xFE;
 constexpr std::uint32_t words_of_area = 1024;
 
 std::string element_name(const NetworkVariables& variables, std::uint32_t element, std::uint32_t base) {
-  const std::string head = fmt::format("Buffer Memory Area {}, Un\\G", variables.type);
+  const std::string head = window_fields::joined("Buffer Memory Area ", variables.type, ", Un\\G");
   if (variables.bits == 8)
-    return fmt::format("{}{} {}Byte", head, base + element / 2, element % 2 == 0 ? 'L' : 'H');
-  if (variables.bits == 16) return fmt::format("{}{}", head, base + element);
-  return fmt::format("{}{}-Un\\G{}", head, base + 2 * element, base + 2 * element + 1);
+    return window_fields::joined(head, base + element / 2, element % 2 == 0 ? " L" : " H", "Byte");
+  if (variables.bits == 16) return window_fields::joined(head, base + element);
+  return window_fields::joined(head, base + 2 * element, "-Un\\G", base + 2 * element + 1);
 }
 
 std::string rj71_object_name(std::uint32_t mapping_entry) {
@@ -93,13 +93,11 @@ std::string rj71_object_name(std::uint32_t mapping_entry) {
   return {};
 }
 
-constexpr ModuleModel the_rj71cn91{.name = "RJ71CN91",
-                                   .windows = rj71_windows,
-                                   .request_way = RequestWay::signals,
-                                   .object_name = rj71_object_name};
-
 }  // namespace
 
-const ModuleModel& rj71cn91_settings() noexcept { return the_rj71cn91; }
+constinit const ConfigurationTool configuration_tool{.model = "RJ71CN91",
+                                   .windows = rj71_windows,
+                                   .request_method = RequestMethod::signals,
+                                   .object_name = rj71_object_name};
 
-}  // namespace canopus::project
+}  // namespace canopus::module::rj71cn91

@@ -3,10 +3,12 @@
 // [FX3U-CAN 15.1.2] [RJ71CN91 3.1].
 
 #include <array>
+#include <string>
+#include <type_traits>
 
-#include "canopus/project/module_windows.hpp"
+#include "canopus/module/interface/configuration_tool.hpp"
 
-namespace canopus::project::window_fields {
+namespace canopus::module::window_fields {
 
 inline constexpr std::uint32_t any_word = 0xFFFF;
 inline constexpr std::uint32_t any_long = 0xFFFF'FFFF;
@@ -15,27 +17,27 @@ inline constexpr std::array<std::uint32_t, 9> baud_rates{10, 20, 50, 100, 125, 2
 inline constexpr std::array<std::string_view, 2> check_box{"Not selected", "Selected"};
 inline constexpr std::array<std::uint32_t, 1> mode_405{405};
 
-constexpr Place word_at(std::uint32_t number, std::uint16_t factor = 1) {
-  return {.kind = Place::Kind::word, .number = number, .bytes = 2, .factor = factor};
+constexpr SettingPlace word_at(std::uint32_t number, std::uint16_t factor = 1) {
+  return {.kind = SettingPlace::Kind::word, .number = number, .bytes = 2, .factor = factor};
 }
-constexpr Place object(std::uint32_t index, std::uint8_t sub, std::uint8_t bytes) {
-  return {.kind = Place::Kind::object, .number = index, .sub = sub, .bytes = bytes};
+constexpr SettingPlace object(std::uint32_t index, std::uint8_t sub, std::uint8_t bytes) {
+  return {.kind = SettingPlace::Kind::object, .number = index, .sub = sub, .bytes = bytes};
 }
-constexpr Place bit_of(std::uint32_t index, std::uint8_t bit) {
-  return {.kind = Place::Kind::object, .number = index, .first_bit = bit, .bits = 1};
+constexpr SettingPlace bit_of(std::uint32_t index, std::uint8_t bit) {
+  return {.kind = SettingPlace::Kind::object, .number = index, .first_bit = bit, .bits = 1};
 }
-constexpr Place pdo(std::uint32_t index, std::uint8_t sub, std::uint8_t bytes) {
-  return {.kind = Place::Kind::pdo_object, .number = index, .sub = sub, .bytes = bytes};
+constexpr SettingPlace pdo(std::uint32_t index, std::uint8_t sub, std::uint8_t bytes) {
+  return {.kind = SettingPlace::Kind::pdo_object, .number = index, .sub = sub, .bytes = bytes};
 }
-constexpr Place of_node(std::uint32_t index, std::uint8_t first_bit = 0, std::uint8_t bits = 0) {
-  return {.kind = Place::Kind::node_object, .number = index, .first_bit = first_bit, .bits = bits};
+constexpr SettingPlace of_node(std::uint32_t index, std::uint8_t first_bit = 0, std::uint8_t bits = 0) {
+  return {.kind = SettingPlace::Kind::node_object, .number = index, .first_bit = first_bit, .bits = bits};
 }
-constexpr Field box(std::string_view name, Place place, std::string_view description) {
+constexpr SettingField box(std::string_view name, SettingPlace place, std::string_view description) {
   return {
       .name = name, .unit = "", .highest = 1, .place = place, .words = check_box, .description = description};
 }
-constexpr Field time_field(std::string_view name, std::string_view unit, std::uint32_t highest,
-                           std::uint32_t factory, Place place, std::string_view description) {
+constexpr SettingField time_field(std::string_view name, std::string_view unit, std::uint32_t highest,
+                           std::uint32_t factory, SettingPlace place, std::string_view description) {
   return {.name = name,
           .unit = unit,
           .highest = highest,
@@ -44,7 +46,7 @@ constexpr Field time_field(std::string_view name, std::string_view unit, std::ui
           .description = description};
 }
 
-inline constexpr Field function_mode{.name = "Function mode",
+inline constexpr SettingField function_mode{.name = "Function mode",
                                      .unit = "",
                                      .lowest = 405,
                                      .highest = 405,
@@ -53,14 +55,14 @@ inline constexpr Field function_mode{.name = "Function mode",
                                      .choices = mode_405,
                                      .read_only = true,
                                      .description = "the tool sets up CANopen 405 mode only"};
-inline constexpr Field node_id{.name = "Node ID",
+inline constexpr SettingField node_id{.name = "Node ID",
                                .unit = "",
                                .lowest = 1,
                                .highest = 127,
                                .factory = 127,
                                .place = word_at(27),
                                .description = "of this module"};
-inline constexpr Field baud_rate{.name = "Baud-Rate",
+inline constexpr SettingField baud_rate{.name = "Baud-Rate",
                                  .unit = "kbps",
                                  .lowest = 10,
                                  .highest = 1000,
@@ -68,7 +70,7 @@ inline constexpr Field baud_rate{.name = "Baud-Rate",
                                  .place = word_at(24),
                                  .choices = baud_rates,
                                  .description = "of the bus, the same for all nodes"};
-inline constexpr Field sdo_timeout{.name = "SDO timeout",
+inline constexpr SettingField sdo_timeout{.name = "SDO timeout",
                                    .unit = "ms",
                                    .lowest = 50,
                                    .highest = 32767,
@@ -76,7 +78,7 @@ inline constexpr Field sdo_timeout{.name = "SDO timeout",
                                    .place = word_at(71),
                                    .description = "how long the module waits for an SDO answer"};
 
-constexpr Field transmission_type(std::uint32_t index, std::string_view description) {
+constexpr SettingField transmission_type(std::uint32_t index, std::string_view description) {
   return {.name = "Transmission type",
           .unit = "",
           .highest = 0xFF,
@@ -85,7 +87,7 @@ constexpr Field transmission_type(std::uint32_t index, std::string_view descript
           .hexadecimal = true,
           .description = description};
 }
-constexpr Field cob_id(std::uint32_t index) {
+constexpr SettingField cob_id(std::uint32_t index) {
   return {.name = "COB-ID",
           .unit = "",
           .highest = any_long,
@@ -108,7 +110,7 @@ inline constexpr std::array receive_pdo{
     transmission_type(0x1400, "0x00 to 0xF0 taken over with the next SYNC, 0xFE and 0xFF at once")};
 
 /// `priorities`: the words of 1F90H:03, from 0 on.
-constexpr std::array<Field, 18> master_fields(std::span<const std::string_view> priorities) {
+constexpr std::array<SettingField, 18> master_fields(std::span<const std::string_view> priorities) {
   return {
       box("NMT master", bit_of(0x1F80, 0), "the module is the NMT master (1F80H bit 0)"),
       box("Start all nodes", bit_of(0x1F80, 1),
@@ -132,7 +134,7 @@ constexpr std::array<Field, 18> master_fields(std::span<const std::string_view> 
                  "of the look for an active NMT master (1F90H:01)"),
       time_field("NMT master negotiation time delay", "ms", any_word, 500, object(0x1F90, 2, 2),
                  "before the negotiation (1F90H:02)"),
-      Field{.name = "NMT master priority",
+      SettingField{.name = "NMT master priority",
             .unit = "",
             .highest = 2,
             .factory = 1,
@@ -151,7 +153,7 @@ constexpr std::array<Field, 18> master_fields(std::span<const std::string_view> 
   };
 }
 
-constexpr Field identity(std::string_view name, std::uint32_t index, bool hexadecimal,
+constexpr SettingField identity(std::string_view name, std::uint32_t index, bool hexadecimal,
                          std::string_view description) {
   return {.name = name,
           .unit = "",
@@ -166,12 +168,12 @@ inline constexpr std::array slaves{
     box("Mandatory", of_node(0x1F81, 3, 1), "the network does not start without it (1F81H bit 3)"),
     box("Reset communication", of_node(0x1F81, 4, 1),
         "selected: it is not reset while it is Operational (1F81H bit 4)"),
-    Field{.name = "Retry factor",
+    SettingField{.name = "Retry factor",
           .unit = "",
           .highest = 255,
           .place = of_node(0x1F81, 8, 8),
           .description = "of node guarding; 0: off"},
-    Field{.name = "Guard time",
+    SettingField{.name = "Guard time",
           .unit = "ms",
           .highest = any_word,
           .place = of_node(0x1F81, 16, 16),
@@ -184,10 +186,10 @@ inline constexpr std::array slaves{
 };
 
 inline constexpr std::array consumers{
-    Field{.name = "Consumer heartbeat time",
+    SettingField{.name = "Consumer heartbeat time",
           .unit = "ms",
           .highest = any_word,
-          .place = {.kind = Place::Kind::consumer, .number = 0x1016},
+          .place = {.kind = SettingPlace::Kind::consumer, .number = 0x1016},
           .description = "how long the node's heartbeat may stay away; 0: not watched"},
 };
 inline constexpr std::array producer{time_field("Producer heartbeat time", "ms", any_word, 0,
@@ -195,9 +197,9 @@ inline constexpr std::array producer{time_field("Producer heartbeat time", "ms",
                                                 "how often the module sends its own; 0: never")};
 
 /// The windows of a tool but the first, in its order.
-constexpr std::array<Window, 6> windows_of_lists(std::uint32_t most_pdos, std::span<const Field> master) {
+constexpr std::array<SettingWindow, 6> windows_of_lists(std::uint32_t most_pdos, std::span<const SettingField> master) {
   return {
-      Window{.word = "tpdo",
+      SettingWindow{.word = "tpdo",
              .title = "PDO list: Transmit PDO",
              .key = "PDO number",
              .most_key = most_pdos,
@@ -205,7 +207,7 @@ constexpr std::array<Window, 6> windows_of_lists(std::uint32_t most_pdos, std::s
              .fields = transmit_pdo,
              .mapping = 0x1A00,
              .part = "tpdo"},
-      Window{.word = "rpdo",
+      SettingWindow{.word = "rpdo",
              .title = "PDO list: Receive PDO",
              .key = "PDO number",
              .most_key = most_pdos,
@@ -213,31 +215,46 @@ constexpr std::array<Window, 6> windows_of_lists(std::uint32_t most_pdos, std::s
              .fields = receive_pdo,
              .mapping = 0x1600,
              .part = "rpdo"},
-      Window{.word = "master",
+      SettingWindow{.word = "master",
              .title = "NMT settings: NMT master / slave",
              .key = "",
              .fields = master,
              .part = "nmt"},
-      Window{.word = "slave",
+      SettingWindow{.word = "slave",
              .title = "NMT settings: NMT Slave assignment",
              .key = "Node ID",
              .most_key = 127,
              .most_rows = 126,
              .fields = slaves,
              .part = "nmt"},
-      Window{.word = "consumer",
+      SettingWindow{.word = "consumer",
              .title = "NMT settings: Heartbeat, consumer",
              .key = "Node ID",
              .most_key = 127,
              .most_rows = 126,
              .fields = consumers,
              .part = "nmt"},
-      Window{.word = "producer",
+      SettingWindow{.word = "producer",
              .title = "NMT settings: Heartbeat, producer",
              .key = "",
              .fields = producer,
              .part = "nmt"},
   };
+}
+
+/// Texts and numbers, one after the other.
+template <typename... Parts>
+std::string joined(const Parts&... parts) {
+  const auto text_of = [](const auto& part) {
+    if constexpr (std::is_integral_v<std::decay_t<decltype(part)>>) {
+      return std::to_string(part);
+    } else {
+      return std::string_view(part);
+    }
+  };
+  std::string text;
+  (text.append(text_of(parts)), ...);
+  return text;
 }
 
 /// The dummy objects of CiA 301 by their index; empty: none.
@@ -254,4 +271,4 @@ constexpr std::string_view dummy_name(std::uint32_t mapping_entry) {
   return index < names.size() && sub == 0 ? names[index] : std::string_view();
 }
 
-}  // namespace canopus::project::window_fields
+}  // namespace canopus::module::window_fields

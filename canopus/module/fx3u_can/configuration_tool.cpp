@@ -1,21 +1,21 @@
 // The windows of the FX3U-CAN's configuration tool [FX3U-CAN 15.1.2].
 
-#include <fmt/format.h>
+#include "canopus/module/fx3u_can/configuration_tool.hpp"
 
-#include "canopus/project/window_fields.hpp"
+#include "canopus/module/intelligent/window_fields.hpp"
 
-namespace canopus::project {
+namespace canopus::module::fx3u_can {
 namespace {
 
 constexpr std::array fx3u_basic{
-    Field{.name = "Module number",
+    SettingField{.name = "Module number",
           .unit = "",
           .highest = 16,
           .description = "0 to 7 behind an FX3, 1 to 16 behind an FX5"},
     window_fields::function_mode,
     window_fields::node_id,
     window_fields::baud_rate,
-    Field{.name = "FROM/TO Watchdog",
+    SettingField{.name = "FROM/TO Watchdog",
           .unit = "ms",
           .highest = 65530,
           .factory = 200,
@@ -30,7 +30,7 @@ constexpr std::array fx3u_master = window_fields::master_fields(fx3u_priorities)
 constexpr std::array fx3u_lists = window_fields::windows_of_lists(80, fx3u_master);
 
 constexpr std::array fx3u_windows{
-    Window{.word = "basic",
+    SettingWindow{.word = "basic",
            .title = "CANopen Configuration: Module basic settings",
            .key = "",
            .fields = fx3u_basic,
@@ -65,17 +65,17 @@ std::string buffer_name(const BufferObjects& objects, std::uint32_t object, std:
   const std::uint32_t number =
       object * words_of_object * 16U / objects.bits + sub - 1;  // of values of this width
   const std::string head =
-      fmt::format("BFM Area {} (PLC {} access), BFM#", objects.type, to ? "write" : "read");
+      window_fields::joined("BFM Area ", objects.type, " (PLC ", to ? "write" : "read", " access), BFM#");
   if (objects.bits == 8) {
     if (number >= 2 * words) return {};
-    return fmt::format("{}{} {}Byte ({})", head, base + number / 2, number % 2 == 0 ? 'L' : 'H', direction);
+    return window_fields::joined(head, base + number / 2, number % 2 == 0 ? " L" : " H", "Byte (", direction, ")");
   }
   if (objects.bits == 16) {
     if (number >= words) return {};
-    return fmt::format("{}{} ({})", head, base + number, direction);
+    return window_fields::joined(head, base + number, " (", direction, ")");
   }
   if (number >= words / 2) return {};
-  return fmt::format("{}{}, #{} ({})", head, base + 2 * number + 1, base + 2 * number, direction);
+  return window_fields::joined(head, base + 2 * number + 1, ", #", base + 2 * number, " (", direction, ")");
 }
 
 std::string fx3u_object_name(std::uint32_t mapping_entry) {
@@ -94,13 +94,11 @@ std::string fx3u_object_name(std::uint32_t mapping_entry) {
   return {};
 }
 
-constexpr ModuleModel the_fx3u_can{.name = "FX3U-CAN",
-                                   .windows = fx3u_windows,
-                                   .request_way = RequestWay::words,
-                                   .object_name = fx3u_object_name};
-
 }  // namespace
 
-const ModuleModel& fx3u_can_settings() noexcept { return the_fx3u_can; }
+constinit const ConfigurationTool configuration_tool{.model = "FX3U-CAN",
+                                   .windows = fx3u_windows,
+                                   .request_method = RequestMethod::words,
+                                   .object_name = fx3u_object_name};
 
-}  // namespace canopus::project
+}  // namespace canopus::module::fx3u_can
