@@ -1,5 +1,5 @@
-// The walls of the house: docs/architecture.md has a table of the rooms and of what each may see. The sources
-// and CMakeLists.txt are compared with it.
+// The walls between folders: cmake/walls.txt names for each folder of canopus/ the folders that it may include
+// from. The includes, CMakeLists.txt and the table of rooms in docs/architecture.md are compared with it.
 
 #include <algorithm>
 #include <filesystem>
@@ -31,33 +31,26 @@ std::string text_of(const fs::path& path) {
   return text.str();
 }
 
-std::set<std::string> words_in_backquotes(const std::string& text) {
-  static const std::regex word("`([^`]+)`");
-  std::set<std::string> found;
-  for (std::sregex_iterator match(text.begin(), text.end(), word), end; match != end; ++match) {
-    found.insert((*match)[1]);
-  }
-  return found;
-}
-
-/// The rows "| `room` | what | sees |" of the picture.
-Rooms picture() {
-  static const std::regex row(R"(^\| `([a-z0-9_/]+)` \|[^|]*\|([^|]*)\|$)");
+/// The lines "folder: seen seen ..." of cmake/walls.txt.
+Rooms walls() {
   Rooms rooms;
-  std::istringstream text(text_of(source / "docs/architecture.md"));
+  std::istringstream text(text_of(source / "cmake/walls.txt"));
   for (std::string line; std::getline(text, line);) {
-    std::smatch match;
-    if (std::regex_match(line, match, row)) rooms[match[1]] = words_in_backquotes(match[2]);
+    const std::size_t colon = line.find(':');
+    if (line.starts_with('#') || colon == std::string::npos) continue;
+    auto& sees = rooms[line.substr(0, colon)];
+    std::istringstream words(line.substr(colon + 1));
+    for (std::string word; words >> word;) sees.insert(word);
   }
   return rooms;
 }
 
-/// The folder of `path` below canopus/, as the picture names it.
+/// The folder of `path` below canopus/, as cmake/walls.txt names it.
 std::string folder_of(const std::string& path) { return fs::path(path).parent_path().generic_string(); }
 
 std::string room_of(const std::string& folder) { return folder.substr(0, folder.find('/')); }
 
-/// Every file of the house and what it includes of it, both relative to canopus/.
+/// Every header and source of canopus/, and what it includes of them, both relative to canopus/.
 std::map<std::string, std::set<std::string>> includes() {
   static const std::regex include(R"re(^#include "canopus/([^"]+)")re");
   std::map<std::string, std::set<std::string>> all;
@@ -74,16 +67,16 @@ std::map<std::string, std::set<std::string>> includes() {
   return all;
 }
 
-TEST(Rooms, APictureOfTheHouse_HasEveryFolder) {
-  const Rooms rooms = picture();
+TEST(Rooms, TheListOfWalls_HasEveryFolder) {
+  const Rooms rooms = walls();
   std::set<std::string> folders;
   for (const auto& [file, found] : includes()) folders.insert(folder_of(file));
   for (const std::string& folder : folders) EXPECT_TRUE(rooms.contains(folder)) << folder;
   for (const auto& [room, sees] : rooms) EXPECT_TRUE(folders.contains(room)) << room << " is not there";
 }
 
-TEST(Rooms, AnInclude_CrossesNoWallThatThePictureDoesNotOpen) {
-  const Rooms rooms = picture();
+TEST(Rooms, AnInclude_CrossesNoWallThatTheListDoesNotOpen) {
+  const Rooms rooms = walls();
   for (const auto& [file, found] : includes()) {
     const std::string folder = folder_of(file);
     const auto row = rooms.find(folder);
@@ -97,18 +90,18 @@ TEST(Rooms, AnInclude_CrossesNoWallThatThePictureDoesNotOpen) {
   }
 }
 
-TEST(Rooms, ThePicture_OpensNoWallThatNobodyUses) {
+TEST(Rooms, TheListOfWalls_OpensNoneThatNoIncludeUses) {
   Rooms used;
   for (const auto& [file, found] : includes()) {
     for (const std::string& included : found) used[folder_of(file)].insert(folder_of(included));
   }
-  for (const auto& [room, sees] : picture()) {
+  for (const auto& [room, sees] : walls()) {
     for (const std::string& other : sees) EXPECT_TRUE(used[room].contains(other)) << room << " -> " << other;
   }
 }
 
 TEST(Rooms, Arrows_MakeNoCircle) {
-  Rooms left = picture();
+  Rooms left = walls();
   for (bool removed = true; removed;) {
     removed = false;
     for (auto room = left.begin(); room != left.end(); ++room) {
@@ -143,15 +136,24 @@ Rooms cmake_rooms() {
   return rooms;
 }
 
-TEST(Rooms, CMake_HasTheRoomsAndArrowsOfThePicture) {
+TEST(Rooms, CMake_HasTheRoomsAndArrowsOfTheListOfWalls) {
   Rooms rooms;
-  for (const auto& [folder, sees] : picture()) {
+  for (const auto& [folder, sees] : walls()) {
     auto& room = rooms[room_of(folder)];
     for (const std::string& other : sees) {
       if (room_of(other) != room_of(folder)) room.insert(room_of(other));
     }
   }
   EXPECT_EQ(cmake_rooms(), rooms);
+}
+
+/// The rows "| `room` | what it is |" of the table of rooms.
+TEST(Rooms, ArchitecturePage_HasARowForEachRoomOfCMake) {
+  const std::string page = text_of(source / "docs/architecture.md");
+  for (const auto& [room, sees] : cmake_rooms()) {
+    EXPECT_TRUE(page.contains("\n| `" + room + "` |"))
+        << "docs/architecture.md, Rooms: " << room << " is missing";
+  }
 }
 
 // What comes from a stranger is bounded in depth and size where its text is parsed, once for each library.
