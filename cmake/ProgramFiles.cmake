@@ -1,5 +1,6 @@
 # What stands beside the installed program: pages of the manual, completion of shells and EDS files, which the program prints
-# itself; examples, documentation, and a unit for systemd.
+# itself; examples, documentation, and a unit for systemd. So `cmake --install` runs the program: a build for another
+# machine cannot be installed here.
 install(CODE "execute_process(COMMAND \"${CMAKE_CURRENT_SOURCE_DIR}/tools/make-program-files\" \"$<TARGET_FILE:canopus>\"
                               \"${CMAKE_BINARY_DIR}/program-files\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT program)
 set(made ${CMAKE_BINARY_DIR}/program-files)

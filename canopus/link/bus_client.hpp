@@ -81,6 +81,7 @@ class BusClient : public can::Sink {
   /// then, or for `time_out`. False when it was not done by then. Nothing is heard from now on.
   virtual bool close(std::chrono::milliseconds time_out) = 0;
 
+  /// Counters are up to 250 ms old (slcan: 1 s); SocketCAN reports changes of the error state at once.
   [[nodiscard]] virtual ControllerStatus status() const { return {}; }
   /// Starts the controller anew, with this bit rate in bit/s (0: the one it has). The error says what a person can do
   /// ("ip link set can0 type can bitrate 250000") where the transport or the system does not let us.

@@ -119,7 +119,7 @@ class LinkedBus final : public can::Bus, public can::Ticker, private BusClientUs
  private:
   friend class LinkedPort;
   /// So many frames are with the transport at most. What waits here can still be overtaken or taken back, as in a
-  /// controller; too few would leave gaps between the frames.
+  /// controller; too few would leave gaps between the frames. A transport that never reports frame_sent() gets no more than these.
   static constexpr std::size_t window = 4;
   struct UnderWay {
     LinkedPort* port = nullptr;  // null: its node was restarted or switched off meanwhile

@@ -231,7 +231,7 @@ std::optional<ModuleNetwork::Refusal> ModuleNetwork::connect(const Direction& di
   }
   const auto entries = slave_value(direction.slave_mapping, 0).value_or(0);
   if (entries > 64) return Refusal{"the PDO is a multiplex PDO"};
-  unsigned bits = 0;
+  unsigned bits = 0;  // the bytes of the file, no more: the default TPDO1 may be shorter than four words
   std::vector<std::uint32_t> mapped;
   for (std::uint8_t i = 1; i <= entries; ++i) {
     mapped.push_back(static_cast<std::uint32_t>(slave_value(direction.slave_mapping, i).value_or(0)));

@@ -30,7 +30,7 @@ struct SlaveDescription {
 
   [[nodiscard]] static SlaveDescription of(const eds::DeviceFile& file, std::uint8_t node_id,
                                            std::string_view name);
-  /// What was preset for the module so far counts. It must outlive the description.
+  /// By the presets of the plant file so far, not by what the module has saved. It must outlive the description.
   [[nodiscard]] static SlaveDescription of(const module::CommunicationModule& module, std::uint8_t node_id,
                                            std::string_view name);
 };

@@ -1,4 +1,5 @@
-"""Tests of the package as it lies here: python3 -m pytest python/tests. CANOPUS_PROGRAM names the program under test."""
+"""Tests of the package as it lies here: python3 -m pytest python/tests. CANOPUS_PROGRAM is the absolute path of
+the program under test."""
 import os
 import pathlib
 import sys

@@ -22,6 +22,8 @@
 
 namespace canopus::canopen {
 
+// SDO has no transaction numbers: the late answer to a transfer that has timed out passes for the answer to the next one of
+// the same object. On an overloaded bus wait some seconds before the node is asked again.
 class SdoClient;
 
 /// Notified when a transfer ended, well or not; may start the next one on the same client from inside the call.

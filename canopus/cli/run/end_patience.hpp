@@ -22,7 +22,7 @@ class EndPatience {
   }
 
  private:
-  boost::asio::io_context io_{1};
+  boost::asio::io_context io_{1};  // its own: that of the run would serve clients in the middle of a tick
   StopSignals again_{io_, {}};
   bool limited_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

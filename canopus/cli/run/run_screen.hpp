@@ -1,7 +1,7 @@
 #pragma once
 // The live table of a run on its terminal: drawn every quarter of a second, after a key and when the terminal
 // gets another size. Ctrl-Z gives the terminal back before the process is suspended; afterwards the table comes
-// back as soon as the process is in the foreground.
+// back as soon as the process is in the foreground. One at a time in a process: it handles SIGTSTP and SIGWINCH.
 
 #include <chrono>
 #include <cstdint>

@@ -35,6 +35,7 @@ inline constexpr int busy = 9;         ///< too many commands wait
 inline constexpr int stopped = 10;     ///< taken back by who asked for it
 }  // namespace web_code
 
+/// Rows of a command may come in several events, each with "more": true, before the one with its "code".
 class WebCommands {
  public:
   static constexpr std::size_t most_waiting = 32;

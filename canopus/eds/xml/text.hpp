@@ -15,7 +15,7 @@ class Text {
 
   /// The text as it is now. Unchanged, these are the bytes it was made from.
   [[nodiscard]] const std::string& text() const noexcept { return text_; }
-  /// What is in it. Elements of it are none of it any more once something was changed.
+  /// The elements of the text. The next change makes all of them invalid.
   [[nodiscard]] const Document& document() const noexcept { return *document_; }
 
   using Done = std::expected<void, std::string>;

@@ -91,7 +91,8 @@ struct MasterOptions {
   bool boot_bit_is_for_recovery = false;
   /// A guarding answer with the wrong toggle bit is error_control::toggle_error; else a missing one [FX2N-32CAN 8.2.7].
   bool toggle_error_is_shown = false;
-  /// A command to all nodes is shown at those that were never seen, too [FX3U-CAN 6.22].
+  /// A command to all nodes is shown at those that were never seen, too [FX3U-CAN 6.22]. Decides besides which nodes
+  /// are shown as missing.
   bool commands_show_all_nodes = false;
 };
 

@@ -42,6 +42,7 @@ class AsFcopm final : public CommunicationModule, public RegisterAccess {
                                                             std::uint8_t sub) const override;
   [[nodiscard]] std::optional<InitialNode> initial_node() override;
   [[nodiscard]] const ProgramInterface& program_interface() const noexcept override;
+  /// Another object after each start and download: keep no reference.
   [[nodiscard]] const canopen::Node& node() const noexcept override { return role_->node(); }
   [[nodiscard]] std::vector<SlaveBootRecord> boots() const override;
   [[nodiscard]] std::vector<canopen::Emergency> kept_emergencies() const override {

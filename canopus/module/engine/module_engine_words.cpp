@@ -37,7 +37,8 @@ void ModuleEngine::write_word(BufferAddress address, std::uint16_t value, can::T
     if (!parts_.watchdog.expired()) parts_.command.release(now);
     if (parts_.observer != nullptr) parts_.observer->buffer_written(address, value, now);
     parts_.port->serve(now);
-    // An error whose cause is still there comes again when it is cleared [FX2N-32CAN 4.2.7].
+    // An error whose cause is still there comes again when it is cleared [FX2N-32CAN 4.2.7]: after serve(), or #29 bit
+    // 10 of an FX3U-CAN would stay ON.
     if (parts_.model.error_status && address == parts_.model.error_status->status) controller_changed(now);
   } else if (result != WriteResult::ignored) {
     parts_.report_word(

@@ -45,9 +45,9 @@ struct CatalogueEntry {
   std::unique_ptr<module::CommunicationModule> (*make)(can::Controller& controller,
                                                        module::NonVolatileMemory& memory,
                                                        const ModuleTuning& tuning);
-  /// Its buffer memory, as its manual names the words.
+  /// Its buffer memory, as its manual names the words; left out, the words have no names.
   std::span<const module::BufferRow> buffer_rows{};
-  /// Racks that it fits into.
+  /// Racks that it fits into; left out, MELSEC Q and iQ-R.
   std::span<const plc::CpuFamily> families = racks_with_head_addresses;
   /// Function modes whose objects are not those above.
   std::span<const ModeObjects> more_modes{};

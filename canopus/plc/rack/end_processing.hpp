@@ -18,7 +18,8 @@ class EndProcessing {
   /// Who has requests: a client's connection, or a port for datagrams.
   class Requests {
    public:
-    /// Answers what has been received. It may wait() again, for the END after this one, and leave others out.
+    /// Answers what has been received. It may wait() again, for the END after this one, and leave others out. The timeline
+    /// runs meanwhile, and another client may be answered: no asynchronous read may be filling the session's buffer.
     virtual void answer_requests(can::Time now) = 0;
 
    protected:

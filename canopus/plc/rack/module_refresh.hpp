@@ -34,8 +34,8 @@ class ModuleRefresh final : private can::Ticker, private RackListener {
     std::vector<can::Duration> intervals{};  ///< of its programs of the fixed scan execution type
   };
 
-  /// Listens to the rack, which must hold the module at `head`; all must outlive it. Nothing is exchanged without a block in
-  /// each direction.
+  /// Listens to the rack, which must hold the module at `head`; all must outlive it. The rack joins the timeline before: at an
+  /// END its scan comes first. Nothing is exchanged without a block in each direction.
   ModuleRefresh(Rack& rack, can::Timeline& timeline, std::uint16_t head, module::CommunicationModule& module,
                 can::Timeline::Handle module_handle, std::vector<Block> blocks, Timing timing,
                 const std::string& name);

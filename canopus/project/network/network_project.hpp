@@ -104,7 +104,8 @@ class NetworkProject {
   /// Empty takes it out.
   [[nodiscard]] Done set_note(std::uint8_t node_id, std::string_view note);
 
-  /// What differs from what was read: the text of each file, or nothing for one that is to be taken away.
+  /// What differs from what was read, notes (nodelist.notes.toml) included: the text of each file, or nothing for one
+  /// that is to be deleted. Still the same after they were saved: then open the project again.
   [[nodiscard]] std::map<std::string, std::optional<std::string>> changes() const;
 
  private:

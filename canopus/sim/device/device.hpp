@@ -85,8 +85,8 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   [[nodiscard]] std::span<const Forcing::Force> forced() const noexcept { return forcing_.all(); }
   void set_force_listener(ForceListener* listener) noexcept { force_listener_ = listener; }
 
-  /// Hears that a reset was asked for, unless the device is an LSS slave, which sees to its controller by
-  /// itself.
+  /// In place of node().set_listener(), which is the device's own. It gets requests of a reset, unless the device is an LSS
+  /// slave, which resets its controller by itself.
   void set_listener(canopen::NodeListener* listener) noexcept { listener_ = listener; }
 
   /// Makes it an LSS slave, whose LSS address is its 1018H and which can be set to the bit rates that its

@@ -44,9 +44,9 @@ class TraceInput {
 
   /// The next bytes, which stay unread: at least `size` unless the file ends before. Valid until the next call.
   [[nodiscard]] std::string_view peek(std::size_t size);
-  /// What is in the buffer after one more read from the source, for who must not wait for more than there is.
+  /// What is in the buffer after one more read from the source: waits for no more than that. Valid until the next call.
   [[nodiscard]] std::string_view peek_more();
-  /// What is in the buffer.
+  /// What is in the buffer. Valid until the next call.
   [[nodiscard]] std::string_view buffered() const noexcept;
   /// Leaves out so many bytes; false if the file ends before.
   bool skip(std::uint64_t size);

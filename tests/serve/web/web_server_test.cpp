@@ -180,6 +180,7 @@ TEST_F(WebServerTest, EventsAndStatesGoOn_AsLongAsSomebodyWatches) {
 TEST_F(WebServerTest, AWatcherThatReadsNothing_DelaysNobody_AndIsClosed) {
   filler_ = ",\"x\":\"" + std::string(1000000, 'x') + "\"";
   // A state takes longer than 1 ms to make under sanitizers: made every 1 ms, nothing else would get its turn.
+  // The 2 s are of the machine's clock: `quick` is closed, too, where it gets no processor for so long.
   start({.send_timeout = 2s, .state_interval = 20ms, .most_events = 10});
   auto slow = watch();
   auto quick = watch();

@@ -50,6 +50,7 @@ const fault_view = new FaultView(by_id("faults-section"), by_id("frame-menu"), c
 const pace_ways = new PaceWays(by_id("pace"), commands);
 const bus_ways = new BusWays(commands);
 const nmt_ways = new NmtWays(commands);
+// The constructors below must not call say_views(): what it uses is declared further down.
 const words = new WordView(by_id("words-section"), () => say_views());
 const boots = new BootView(by_id("boot-section"), bus_ways, () => say_views());
 const plots = new Plots(by_id("plots"), by_id("plot-list"), () => say_views());
@@ -62,6 +63,7 @@ const description = new Description(() => say_views());
 description.follow(by_id("objects-table"), (line) => objects.described(line));
 description.follow(by_id("words-table"), (line) => words.described(line));
 description.follow(by_id("project-objects"), (line) => project_view.described(line));
+// "#objects/N": state.nodes and the view "objects" count the modules first, then the devices.
 const trace_view = new TraceView(commands, (frame, x, y) => fault_view.open_menu(frame, x, y), (bus, node) => {
   const place = state?.nodes.findIndex((one) => one.bus === bus && one.node === node) ?? -1;
   return place < 0 ? null : `#objects/${place}`;
