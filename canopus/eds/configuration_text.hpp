@@ -1,5 +1,5 @@
 #pragma once
-// An EDS becomes a node's DCF [CiA 306], and the DCF gets values: only the lines that say so are new or differ.
+// An EDS becomes a node's DCF [CiA 306], and the DCF gets values: only the lines concerned are new or differ.
 
 #include <cstdint>
 #include <expected>
@@ -11,7 +11,7 @@
 
 namespace canopus::eds {
 
-/// Who a DCF is for, beyond its Commissioning.
+/// The node that a DCF is for, beyond its Commissioning.
 struct ConfigurationNames {
   std::string file_name;  ///< FileName
   std::string eds_name;   ///< LastEDS: the file it is made from

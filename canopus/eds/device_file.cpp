@@ -220,7 +220,7 @@ void build(Draft& draft, DeviceFile& device) {
   device.dictionary = builder.build();
 }
 
-/// Why there is no device in this text, for whoever opened the wrong file.
+/// Why there is no device in this text: the wrong file was opened.
 void refuse(std::string_view text, const IniFile& file, Problems& problems) {
   if (trim(text).empty() || text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
     problems.error(1, "the file is empty");

@@ -18,7 +18,7 @@ DeviceInfoLines read_device_info(const IniFile& file, DeviceInfo& info, Problems
 /// Bit n: data type n is allowed as a dummy.
 [[nodiscard]] std::uint32_t read_dummy_usage(const IniFile& file, Problems& problems);
 [[nodiscard]] std::vector<std::string> read_comments(const IniFile& file);
-/// Notes sections that nobody here reads.
+/// Notes sections that this reader does not use.
 void note_unknown_sections(const IniFile& file, Problems& problems);
 
 }  // namespace canopus::eds

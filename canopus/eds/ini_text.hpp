@@ -1,5 +1,5 @@
 #pragma once
-// An EDS, DCF or project file that is changed where it is told to and nowhere else: comments, unknown keys, the
+// An EDS, DCF or project file that is changed at the requested places and nowhere else: comments, unknown keys, the
 // order, blanks, line ends and the encoding stay byte for byte.
 
 #include <cstddef>
@@ -41,7 +41,7 @@ class IniText {
   /// stays when the new value is a number. A key that is not there is added as the section's last one, a
   /// section that is not there at the end of the file; both are then written as given here. Refused, with the
   /// reason and without any change: a value or name that would not be read again as it was given, text that the
-  /// file's encoding cannot say, and a file in UTF-16.
+  /// file's encoding cannot represent, and a file in UTF-16.
   [[nodiscard]] std::expected<void, std::string> set(std::string_view section, std::string_view key,
                                                      std::string_view value);
   /// Takes the lines of a key out; no such key: nothing happens.

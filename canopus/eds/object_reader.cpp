@@ -20,7 +20,7 @@ std::string member_name(const std::string& object, std::uint8_t sub) {
   return sub == 0 ? "Highest sub-index supported" : object + ' ' + std::to_string(sub);
 }
 
-/// Sub-indexes ...9, 10, 11 where 9, A, B belong: somebody counted in decimal.
+/// Sub-indexes ...9, 10, 11 where 9, A, B belong: counted in decimal by mistake.
 bool counts_in_decimal(const std::map<std::uint8_t, const Section*>& subs) {
   bool beyond_nine = false;
   for (unsigned sub = 1; sub <= 9; ++sub) {
@@ -310,7 +310,7 @@ ObjectSectionMap find_object_sections(const IniFile& file, std::string_view pref
     rest.remove_prefix(prefix.size());
     const auto meaning = object_section(rest);
     if (!meaning) continue;
-    // The sections of an XDD have names that nobody spelt.
+    // The names of an XDD's sections are made by our reader: their spelling is no finding.
     const bool is_spelt = folded(section.name) == section.folded_name;
     if (meaning->irregular || (is_spelt && section.name.find(' ') != std::string::npos)) {
       problems.repeated(Severity::note, "section spelling", section.line,

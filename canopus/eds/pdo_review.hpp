@@ -1,5 +1,5 @@
 #pragma once
-// What a file says about PDOs, held against itself: generated, repaired, complained of.
+// The PDOs of a file, checked for consistency: generated, repaired, reported.
 
 #include "canopus/eds/draft.hpp"
 

@@ -15,7 +15,7 @@ namespace canopus::eds {
 
 struct WrittenFile {
   std::string text;
-  std::vector<std::string> warnings;  ///< what the format cannot say, or says otherwise
+  std::vector<std::string> warnings;  ///< what the format cannot express, or expresses otherwise
 };
 
 /// Sub-indexes that a written file describes, as many as a file that is read may.

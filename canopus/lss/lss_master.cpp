@@ -186,7 +186,7 @@ void LssMaster::scan_below(unsigned bit) {
   bit_ = bit == 0 ? 0 : bit - 1;
 }
 
-// Silence says that every slave still in the race has a 1 at this bit: those with a 0 would have answered.
+// Silence means that every slave still in the race has a 1 at this bit: those with a 0 would have answered.
 void LssMaster::scan_answered(bool answered, can::Time now) {
   switch (scan_) {
     case Scan::reset:

@@ -33,8 +33,8 @@ class LssSearch final : private LssMasterUser {
     /// Pause after a change of the own bit rate, before the first frame.
     can::Duration settle_time = std::chrono::milliseconds(10);
     can::Duration time_out = std::chrono::milliseconds(100);  ///< for each answer
-    /// Before each selection all devices are told to wait (04H): one that another master, or a frame that was lost, left in
-    /// configuration state hears no selection.
+    /// Before each selection all devices are switched to waiting state (04H): one that another master, or a lost frame, left
+    /// in configuration state ignores a selection.
     bool to_waiting_first = false;
   };
 
@@ -43,9 +43,9 @@ class LssSearch final : private LssMasterUser {
       : user_(&user), options_(options), master_(sink, *this, {.time_out = options.time_out}) {}
 
   /// False while running(). `own_bit_rate` must be one of table 0, or 100 kbit/s, which had index 5 before
-  /// that was reserved: it is tried, and a device that knows it not refuses it.
+  /// that was reserved: it is tried; a device without it refuses it.
   bool start(std::uint8_t node_id, const LssAddress& address, std::uint32_t own_bit_rate, can::Time now);
-  /// Ends without a word; the controller may be left at another bit rate.
+  /// Ends without a report; the controller may be left at another bit rate.
   void cancel() noexcept;
   [[nodiscard]] bool running() const noexcept { return state_ != State::idle; }
   /// The bit rate that is being tried, bit/s.

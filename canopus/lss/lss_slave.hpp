@@ -1,6 +1,6 @@
 #pragma once
 // LSS slave [CiA 305]: lets an LSS master give this device its node-ID and bit rate. Requests come on 7E5H,
-// answers go on 7E4H. Two states: waiting, where only switch state, identify and fastscan are heard, and
+// answers go on 7E4H. Two states: waiting, where only switch state, identify and fastscan are obeyed, and
 // configuration, where node-ID and bit timing can be set and stored.
 //
 // A node-ID that was set is pending until the next reset communication; a device without one (FFH) that has a

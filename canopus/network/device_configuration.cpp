@@ -75,7 +75,7 @@ std::vector<ComparedValue> values_of(const eds::DeviceFile& file, std::uint8_t n
   return values;
 }
 
-/// Reads one; false: nobody answers.
+/// Reads one; false: no answer.
 bool compare(ComparedValue& value, ObjectAccess& access) {
   auto found = access.read(value.object);
   if (!found) {

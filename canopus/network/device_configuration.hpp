@@ -1,5 +1,5 @@
 #pragma once
-// What a device has against what its DCF says it should have, and the writes that make them agree.
+// The values of a device compared with those of its DCF, and the writes that make them agree.
 
 #include <cstdint>
 #include <expected>
@@ -47,12 +47,11 @@ struct ComparedValue {
 /// Called after each access: how many are done, of how many. False: go no further.
 using Progress = std::function<bool(std::size_t done, std::size_t of)>;
 
-/// Who the device says it is (1000H, 1018H:01-03), as far as the file says something else than 0. What is not as it should be
-/// comes first when it is compared with.
+/// Identity of the device (1000H, 1018H:01-03) against the file, without values that are 0 there; 1000H alone if all are.
 [[nodiscard]] std::vector<ComparedValue> compare_identity(const eds::DeviceFile& file, ObjectAccess& access);
 
 /// Every value that the DCF configures and that can be read, in order of index. Commands (1010H, 1011H) and those of a file
-/// that says not to read them are left out.
+/// that forbids to read them are left out.
 [[nodiscard]] std::vector<ComparedValue> compare_configuration(const eds::DeviceFile& file,
                                                                std::uint8_t node_id, ObjectAccess& access,
                                                                const Progress& progress);
@@ -71,7 +70,7 @@ struct WriteStep {
   std::string reason{};  ///< of a failure, or why it was not tried
 };
 
-/// The writes that make what differs as the DCF has it, in the order that CiA 301 wants: a PDO is switched off, changed as a whole,
+/// The writes that set what differs to the values of the DCF, in the order that CiA 301 wants: a PDO is switched off, changed as a whole,
 /// and switched on again; 1020H comes last.
 [[nodiscard]] std::vector<WriteStep> plan_writes(const eds::DeviceFile& file, std::uint8_t node_id,
                                                  std::span<const ComparedValue> compared);

@@ -145,7 +145,7 @@ manager::Program NetworkMaster::open_program(std::uint8_t node_id) {
   return {.bytes = &program_readers_[node_id], .size = static_cast<std::uint32_t>(program.size())};
 }
 
-// A configuration that says when it was made need not be downloaded to a slave that has it.
+// A configuration with a date (1020H) need not be downloaded to a slave that has it.
 void NetworkMaster::expect_configuration(std::uint8_t node_id) {
   manager::ConciseDcfReader reader(files_[node_id]);
   while (const auto entry = reader.next()) {

@@ -28,7 +28,7 @@ class NetworkObserver {
   virtual void state_changed(const NetworkSlave&, std::uint8_t /*node_state::...*/, can::Time) {}
   virtual void error_control_event(const NetworkSlave&, manager::ErrorControlEvent, can::Time) {}
   virtual void error_control_resolved(const NetworkSlave&, can::Time) {}
-  /// A flying master: this node is the active master, or `master` is (0: nobody yet).
+  /// A flying master: this node is the active master, or `master` is (0: none yet).
   virtual void master_changed(bool /*is_own*/, std::uint8_t /*master*/, can::Time) {}
 
  protected:

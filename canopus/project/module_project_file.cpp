@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* root_name = "canopus-module";
 
-/// Reads a file and remembers where it is, for what it has to say.
+/// Reads a file and keeps its place for messages.
 class Reader {
  public:
   Reader(const eds::xml::Document& document, Tools tools) : document_(document), tools_(tools) {}

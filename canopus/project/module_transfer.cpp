@@ -203,7 +203,7 @@ Result<PdoDifference> pdo_difference(const Window& window, std::uint32_t number,
   return found;
 }
 
-/// Writes one after the other, and says of each what became of it.
+/// Writes one after the other, and reports the result of each.
 class Writer {
  public:
   Writer(ModuleAccess& access, std::uint8_t node, const StepListener& listener)

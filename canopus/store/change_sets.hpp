@@ -40,16 +40,16 @@ class ChangeSets {
 
   /// Ends a change that a power cut left half done. To be called before anything is read, by a caller that may write.
   [[nodiscard]] std::expected<void, std::string> recover();
-  /// For those who only look, in place of recover(): writes nothing; from then on read() gives what the files were before a
+  /// For readers, in place of recover(): writes nothing; from then on read() gives what the files were before a
   /// change that is not finished. False when there is none.
   [[nodiscard]] std::expected<bool, std::string> look();
   /// A file as it stands; nothing: it is not there.
   [[nodiscard]] std::expected<std::optional<std::string>, std::string> read(const std::string& name);
   /// Gives the files these contents, making folders as needed. Those that have theirs already are not touched, and nothing
-  /// is recorded when that is true of all. `title` says for people what was done.
+  /// is recorded when that is true of all. `title` describes the change for people.
   [[nodiscard]] std::expected<void, std::string> write(const FileContents& contents, std::string_view title);
   /// Takes the latest change back and forgets it: its title, or nothing when there is none. Refused when one of its
-  /// files has been changed by somebody else since.
+  /// files has been changed otherwise since.
   [[nodiscard]] std::expected<std::optional<std::string>, std::string> undo();
 
  private:
@@ -84,7 +84,7 @@ class ChangeSets {
   Files* files_;
   std::filesystem::path records_;
   FileMemory journal_;
-  FileContents before_;  // of who only looks
+  FileContents before_;  // of readers: see look()
 };
 
 }  // namespace canopus::store

@@ -81,7 +81,7 @@ int make_folders(Files& files, const std::filesystem::path& folder) {
     if (why == 0) why = files.make_folder(folder);
   }
   if (why != 0 && why != EEXIST) return why;
-  // Also when it is there already: who made it may have been cut off right then.
+  // Also when it is there already: the power may have been cut right after it was made.
   files.flush_folder(parent.empty() ? "." : parent);
   return 0;
 }

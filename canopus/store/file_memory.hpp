@@ -1,7 +1,7 @@
 #pragma once
 // Non-volatile memory of modules in a folder: one file per blob. A write goes to a temporary file, is flushed
-// to the medium, and then takes the old file's place in one step, so that whatever moment the power goes off
-// at, the old or the new content is there; when write() or erase() has returned, it is the new one. A
+// to the medium, and then takes the old file's place in one step, so that after a power cut at any moment the
+// old or the new content is there; when write() or erase() has returned, it is the new one. A
 // checksum shows damage that came from elsewhere.
 //
 // File: "CNPS", version (1 byte), three zero bytes, length of the content (8 bytes), CRC-32 of the content
@@ -27,7 +27,7 @@ namespace canopus::store {
 class FileMemory final : public module::NonVolatileMemory {
  public:
   /// Blobs live in `folder`, which is made when the first one is written. Names may hold letters, digits,
-  /// '-', '_', '%' and '.'; other names are refused. `owner` says for people whose the blobs are; each keeps
+  /// '-', '_', '%' and '.'; other names are refused. `owner` names the owner of the blobs for people; each keeps
   /// it, and one of another owner counts as damaged. Empty: files of version 1 are written, and those of any
   /// owner read. `files` must outlive the memory.
   explicit FileMemory(std::filesystem::path folder, std::string owner = {}, Files& files = real_files())

@@ -21,8 +21,8 @@ class Files {
  public:
   virtual ~Files() = default;
 
-  /// The whole file; EFBIG when it is longer than `at_most`, EISDIR for a folder, not_a_file for what would
-  /// have to be waited for.
+  /// The whole file; EFBIG when it is longer than `at_most`, EISDIR for a folder, not_a_file for a FIFO or a device,
+  /// which would have to be waited for.
   [[nodiscard]] virtual std::expected<std::vector<std::uint8_t>, int> read(const std::filesystem::path& path,
                                                                            std::size_t at_most) = 0;
   /// Whether the name itself is a symbolic link, wherever that leads.

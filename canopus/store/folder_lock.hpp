@@ -1,7 +1,7 @@
 #pragma once
 // A folder of stored data belongs to one process at a time: two that write the same files would overwrite each
 // other. The lock is the system's (flock) on the file ".lock" in the folder; it ends with the process, however
-// that ends. The file stays and says which process had it last.
+// that ends. The file stays and names the process that had it last.
 
 #include <expected>
 #include <filesystem>

@@ -1,5 +1,5 @@
 #pragma once
-// Files whose names a file says: a journal, the list of a project. Such a file may come from a stranger, so that it names
+// Files that another file names: a journal, the list of a project. Such a file may come from a stranger, so that it names
 // files of its own folder alone.
 
 #include <expected>

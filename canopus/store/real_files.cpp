@@ -44,7 +44,7 @@ class RealFiles final : public Files {
   std::expected<int, int> create(const std::filesystem::path& path) override {
     constexpr int new_file = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW;
     int file = open(path, new_file);
-    // What a power cut left, or what somebody put there: a link is unlinked, not followed.
+    // Left by a power cut, or put there by another program: a link is unlinked, not followed.
     if (file < 0 && errno == EEXIST && ::unlink(path.c_str()) == 0) file = open(path, new_file);
     if (file < 0) return std::unexpected(errno);
     return file;

@@ -1,5 +1,5 @@
 #pragma once
-// What somebody who mistyped a word probably meant.
+// The known word that a mistyped one probably means.
 
 #include <initializer_list>
 #include <span>

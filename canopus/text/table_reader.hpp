@@ -1,6 +1,6 @@
 #pragma once
-// Reading one table of a plant file: every key is asked for by name, with what it must be; what nobody asked
-// for is a mistake, because a misspelt key must not pass in silence. Mistakes are collected with line and
+// Reading one table of a plant file: every key is read by name, with the type it must have. A key that was
+// never read is a mistake: a misspelt one must not pass in silence. Mistakes are collected with line and
 // column.
 
 #include <algorithm>
@@ -171,7 +171,7 @@ class TableReader {
     if (table == nullptr) return error(key, fmt::format("expected a table, for example {}", example));
     for (const auto& [name, value] : *table) read(name.str(), value, place_of(name.source()));
   }
-  /// Reports every key that nobody asked for.
+  /// Reports every key that was never read.
   void finish() {
     for (const auto& [key, value] : table_) {
       if (std::ranges::find(known_, key.str()) != known_.end()) continue;

@@ -1,5 +1,5 @@
 #pragma once
-// A device file of either kind, changed where it is told to and nowhere else: an EDS or DCF by IniText, an XDD or XDC by
+// A device file of either kind, changed at the requested places and nowhere else: an EDS or DCF by IniText, an XDD or XDC by
 // xml::Text. A file that came from a foreign tool and is saved unchanged is the same bytes; one value is one line.
 
 #include <expected>
@@ -27,7 +27,7 @@ class DeviceText {
   [[nodiscard]] Done set_parameter_value(std::uint16_t index, std::uint8_t sub, std::string_view value);
   /// Takes that value out, so that the default counts; there is none: nothing happens.
   [[nodiscard]] Done remove_parameter_value(std::uint16_t index, std::uint8_t sub);
-  /// Says for which node the file is, as make_configuration() does. An XDC has no place for LastEDS, which is left out,
+  /// Sets the node for which the file is, as make_configuration() does. An XDC has no place for LastEDS, which is left out,
   /// and for an LSS serial number, which is refused.
   [[nodiscard]] Done configure(const ConfigurationNames& names, const Commissioning& commissioning);
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t most_losses = 20;
 
-/// Sections that become part of a DeviceFile, or of which the writer says that they do not.
+/// Sections that become part of a DeviceFile, or for which the writer reports that they do not.
 bool is_carried(const Section& section) {
   constexpr std::string_view known[] = {"fileinfo",
                                         "deviceinfo",

@@ -1,5 +1,5 @@
 #pragma once
-// An XML text that is changed where it is told to and nowhere else: comments, the order, blanks, line ends, quotes and
+// An XML text that is changed at the requested places and nowhere else: comments, the order, blanks, line ends, quotes and
 // the way references are written stay byte for byte.
 
 #include <utility>

@@ -1,5 +1,5 @@
 #pragma once
-// Another device in the place of a node: what a project says of its identity becomes what the device says, in the node's own DCF
+// Another device in the place of a node: the project takes over the identity of the device, in the node's own DCF
 // and in the list of its manager [CiA 302-2: 1F84H to 1F88H], and nothing else.
 
 #include <cstdint>
@@ -33,7 +33,7 @@ struct AcceptedValue {
                                                               std::uint8_t node_id,
                                                               std::span<const IdentityValue> found);
 
-/// Has the project say so. Fails with a sentence, and changes nothing then.
+/// Puts that into the project. Fails with a sentence, and changes nothing then.
 [[nodiscard]] std::expected<void, std::string> accept_values(NetworkProject& project,
                                                              std::span<const AcceptedValue> values);
 

@@ -7,7 +7,7 @@
 namespace canopus::project {
 namespace {
 
-/// SYNC of the network: period in seconds, 0: nobody produces it.
+/// SYNC of the network: period in seconds, 0: no node produces it.
 struct Sync {
   const ProjectNode* producer = nullptr;
   canopen::CobId cob_id{};

@@ -1,5 +1,5 @@
 #pragma once
-// How much of its bus a project's network takes, reckoned from what its DCFs say: process data, SYNC, heartbeats. SDO, EMCY,
+// How much of its bus a project's network takes, computed from its DCFs: process data, SYNC, heartbeats. SDO, EMCY,
 // NMT and guarding come on top.
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 #pragma once
 // A CANopen network as a CiA 306 project: nodelist.cpj and the DCF or XDC of each node, read, changed and written so that only
-// the lines that say so differ. "DCF" is either kind where nothing else is said. No file is opened here.
+// the lines concerned differ. "DCF" means DCF or XDC. No file is opened here.
 
 #include <cstddef>
 #include <cstdint>
@@ -74,7 +74,7 @@ class NetworkProject {
   /// By node-ID.
   [[nodiscard]] const std::vector<ProjectNode>& nodes() const noexcept { return nodes_; }
   [[nodiscard]] const ProjectNode* find(std::uint8_t node_id) const noexcept;
-  /// "5", "0x05" or a node's name, in whatever case when that is the only one. The error says what was expected.
+  /// "5", "0x05" or a node's name, in any case when that is the only one. The error says what was expected.
   [[nodiscard]] std::expected<const ProjectNode*, std::string> find(std::string_view node) const;
   /// That all DCFs have that name one, bit/s; 0: none does, or they differ.
   [[nodiscard]] std::uint32_t bit_rate() const;

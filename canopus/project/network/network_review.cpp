@@ -110,13 +110,13 @@ class Review {
     const Pdo* pdo;
   };
 
-  /// Each RPDO and who sends its frame.
+  /// Each RPDO and the sender of its frame.
   void process_data() {
     std::multimap<std::uint32_t, Seat> senders;
     for_each_active(true, [&](Seat seat) {
       const auto [begin, end] = senders.equal_range(seat.pdo->cob_id.key());
       for (auto other = begin; other != end; ++other) {
-        // Of two nodes, plants are told, too.
+        // A plant reports two senders as well.
         if (other->second.node != seat.node) continue;
         report(
             Severity::error, *seat.node, seat.pdo->communication_index(),
@@ -203,7 +203,7 @@ class Review {
                        eds::name(own_type), sent_name, who, eds::name(sent_type)));
   }
 
-  /// Consumers are held against their producers; that one is missing or too slow is said where plants are checked, too.
+  /// Consumers are held against their producers; the check of a plant reports missing and slow ones, too.
   void heartbeats() {
     for (const ProjectNode& node : project_.nodes()) {
       const bool guards = node.value(0x100C).value_or(0) != 0 && node.value(0x100D).value_or(0) != 0;

@@ -259,7 +259,7 @@ class Linker {
         fmt::format("{} has no RPDO left whose COB-ID and mapping can be changed", to_.node->shown_name()));
   }
 
-  /// Somebody of the project sends it.
+  /// A node of the project sends it.
   [[nodiscard]] bool is_sent(CobId cob_id) const {
     return std::ranges::any_of(project_.nodes(), [&](const ProjectNode& node) {
       return std::ranges::any_of(node.pdos, [&](const Pdo& pdo) {

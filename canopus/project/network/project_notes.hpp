@@ -1,6 +1,6 @@
 #pragma once
 // Notes of the nodes of a network, for which CiA 306 has no key: one small TOML file beside the list, nodelist.notes.toml of
-// nodelist.cpj, changed where it is told to and nowhere else.
+// nodelist.cpj, changed at the requested place and nowhere else.
 //
 //   [notes]            # of the list's first network; [notes2] of its second one
 //   5 = "seal is worn"

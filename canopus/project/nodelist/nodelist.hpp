@@ -77,7 +77,7 @@ class Nodelist {
   void review(const ListedNetwork& network);
   void report(eds::Problem::Severity severity, unsigned line, std::string message);
   [[nodiscard]] std::expected<void, std::string> usable(std::size_t network) const;
-  /// Sets Nodes= of the network to what is listed, when it says otherwise.
+  /// Sets Nodes= of the network to the number of listed nodes, when it differs.
   [[nodiscard]] static std::expected<void, std::string> count_nodes(eds::IniText& file,
                                                                     const std::string& section);
   void keep(eds::IniText file);

@@ -1,5 +1,5 @@
 #pragma once
-// Who is in a CiA 306 project, for those that simulate or boot it: the list and what the DCFs say of themselves.
+// The nodes of a CiA 306 project, for code that simulates or boots it: from the list and their DCFs.
 
 #include <cstddef>
 #include <cstdint>

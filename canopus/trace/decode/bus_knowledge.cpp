@@ -8,7 +8,7 @@
 namespace canopus::trace {
 namespace {
 
-/// A trace can make up values without end; nobody has more.
+/// A trace can hold values without end; no real network has more.
 constexpr std::size_t most_settings = 200'000;
 constexpr std::size_t most_sdo_identifiers = 1000;
 
@@ -117,7 +117,7 @@ void BusKnowledge::use_sdo(std::uint8_t node, std::uint16_t index) {
   const bool is_client = index >= 0x1280;
   std::uint8_t server = node;
   std::uint16_t channel = index;
-  if (index == 0x1200) return;  // the default channel, whatever a file says of it
+  if (index == 0x1200) return;  // the default channel is fixed, a file cannot change it
   if (is_client) {
     server = static_cast<std::uint8_t>(setting(node, index, 3).value_or(0) & 0x7FU);
     channel = static_cast<std::uint16_t>(index | node << 8);

@@ -29,7 +29,7 @@ struct PdoFacts {
 struct SdoSide {
   std::uint8_t server = 0;  ///< node-ID
   bool from_client = false;
-  std::uint16_t channel = 0;  ///< tells the channels of a node apart; 0: the default one
+  std::uint16_t channel = 0;  ///< number of the node's SDO channel; 0: the default one
 };
 
 /// Identifier of a frame, bit 29 set when it is an extended one.
@@ -50,7 +50,7 @@ class BusKnowledge {
 
   [[nodiscard]] bool is_sync(FrameKey key) const { return key == 0x80 || sync_.contains(key); }
   [[nodiscard]] bool is_time(FrameKey key) const { return key == 0x100 || time_.contains(key); }
-  /// Node whose EMCY has this identifier; 0: nobody's.
+  /// Node whose EMCY has this identifier; 0: no node's.
   [[nodiscard]] std::uint8_t emcy_producer(FrameKey key) const;
   [[nodiscard]] std::optional<SdoSide> sdo(FrameKey key) const;
   /// The PDO of this identifier. Of several the one that the pre-defined connection set would name, else one that is

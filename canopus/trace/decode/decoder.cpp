@@ -16,7 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A frame that the recorder sent is heard again within this time, if at all.
+/// A frame that the recorder sent is received again within this time, if at all.
 constexpr can::Duration echo_time = 10ms;
 constexpr std::size_t most_echoes = 64;
 

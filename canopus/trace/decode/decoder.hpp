@@ -1,5 +1,5 @@
 #pragma once
-// The protocol analyser: is given the records of a trace, one by one, and says what they mean. It reads no
+// The protocol analyser: gets the records of a trace, one by one, and returns what they mean. It reads no
 // file and no clock; the same object works on a file of any length and on a bus. What it keeps is bounded.
 
 #include <cstdint>

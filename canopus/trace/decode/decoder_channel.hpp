@@ -28,7 +28,7 @@ struct Decoder::Channel {
   std::uint16_t number = 0;
   std::map<std::uint32_t, SdoFollower> sdo;  // server, channel
   std::bitset<128> guarded;                  // a guarding request is not answered yet
-  std::deque<Message> sent;                  // by the recorder itself, not heard yet
+  std::deque<Message> sent;                  // by the recorder itself, not received yet
   std::map<std::uint32_t, ObjectFacts> known_facts;
   can::Time next_expiry{};
 };

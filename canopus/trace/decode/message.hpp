@@ -75,7 +75,7 @@ struct Message {
   std::optional<std::uint16_t> emcy_code{};
   std::vector<Signal> signals{};
   std::string text{};    ///< for people, without time, channel, identifier, service and node
-  bool is_copy = false;  ///< the recorder heard a frame that it had sent itself, and recorded it again
+  bool is_copy = false;  ///< the recorder received its own frame and recorded it again
 
   // Of transfers only.
   bool is_transfer = false;

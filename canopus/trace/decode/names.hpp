@@ -1,5 +1,5 @@
 #pragma once
-// Who is who on the buses of a trace: names of nodes, their device files, and how their services are set. A
+// The nodes on the buses of a trace: their names, their device files, and how their services are set. A
 // decoder works without; with it, lines carry names and PDOs their values.
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace canopus::trace {
 
-/// A value of an object that says how services of a node are set.
+/// A value of an object that sets services of a node up.
 struct Setting {
   std::uint16_t index = 0;
   std::uint8_t sub = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// Objects of CiA 301 and CiA 302 that every device may have: what a trace says of them where no device file
+// Objects of CiA 301 and CiA 302 that every device may have: their meaning where no device file
 // is at hand. A device file's own names and types go before.
 
 #include <cstdint>

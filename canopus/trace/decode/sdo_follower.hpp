@@ -1,6 +1,6 @@
 #pragma once
 // The frames of one SDO channel, followed from request to end [CiA 301 7.2.4.3]: expedited, segmented and
-// block transfers. It only hears: what was lost on the way it takes from the confirmations.
+// block transfers. It only listens: lost frames are inferred from the confirmations.
 
 #include <array>
 #include <cstdint>

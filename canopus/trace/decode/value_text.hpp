@@ -17,7 +17,7 @@ namespace canopus::trace {
 /// not fit the type, or no type is known.
 [[nodiscard]] std::optional<std::string> typed_value(std::span<const std::uint8_t> bytes,
                                                      canopen::DataType type);
-/// The same, or what can be said without a type: "00000195H" up to 8 bytes, else the bytes.
+/// The same, or without a type: "00000195H" up to 8 bytes, else the bytes.
 [[nodiscard]] std::string value_text(std::span<const std::uint8_t> bytes, canopen::DataType type);
 
 /// The number that `bits` (1..64) of a frame are as this type; nothing for types that are no numbers. Without

@@ -105,7 +105,7 @@ class BlfReader final : public ReaderBase {
     const std::string_view body = object.substr(header);
     const auto number_of_channel = number<std::uint16_t>(body, 0);
     if (error) {
-      // what Vector says of an error has no place in a SocketCAN error frame
+      // the details of Vector's error have no place in a SocketCAN error frame
       record.frame.dlc = 8;
       set_error_frame(record, unspecified_error);
     } else {

@@ -6,7 +6,7 @@
 //   (0000000012.000345) line1 601#R                    remote frame; `R4` asks for 4 bytes
 //   (0000000012.000345) line1 601#0011223344556677_F   8 bytes with the raw DLC 15
 //   (0000000012.000345) line1 20000004#0001000000000000   error frame: class and data
-//   (0000000012.000345) line1 601#40 T                 sent by who recorded it
+//   (0000000012.000345) line1 601#40 T                 sent by the recorder
 //
 // Read only: the screen form of candump, `(12.000345)  line1  601   [8]  40 18 10 01 00 00 00 00`, with or
 // without the ASCII column (-a), the direction (-x) and the time, and `remote request` in place of the data; a
@@ -44,7 +44,7 @@ struct CandumpEntry {
   std::string channel{};  ///< never empty
   can::Frame frame{};
   bool error_frame = false;  ///< a SocketCAN error frame: `frame` holds its class and data, and is no frame
-  bool transmitted = false;  ///< "T" or "TX": sent by who recorded it
+  bool transmitted = false;  ///< "T" or "TX": sent by the recorder
   bool log_form = false;     ///< `601#40`, not `601 [1] 40`
 
   friend bool operator==(const CandumpEntry&, const CandumpEntry&) = default;

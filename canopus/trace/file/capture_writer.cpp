@@ -78,7 +78,7 @@ std::array<std::uint8_t, pcapng_header_size> pcapng_header() noexcept {
   p = put_host<std::uint32_t>(p + 4, 0x1A2B'3C4D);
   p = put_host<std::uint16_t>(p, 1);  // version 1.0
   p = put_host<std::uint16_t>(p, 0);
-  p = put_host<std::uint64_t>(p, ~std::uint64_t{0});  // length of the section: not said
+  p = put_host<std::uint64_t>(p, ~std::uint64_t{0});  // length of the section: unknown
   (void)end_block(header.data(), p);
   return header;
 }

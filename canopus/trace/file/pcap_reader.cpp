@@ -91,7 +91,7 @@ OpenedReader open_pcap(TraceInput input) {
   for (const std::endian order : {std::endian::little, std::endian::big}) {
     const auto magic = number_at<std::uint32_t>(header, 0, order);
     if (magic != microsecond_magic && magic != nanosecond_magic) continue;
-    // the upper bits tell of a checksum behind the packets [pcap-savefile]
+    // the upper bits announce a checksum behind the packets [pcap-savefile]
     const std::uint32_t linktype = number_at<std::uint32_t>(header, 20, order) & 0x03FF'FFFF;
     if (!holds_can(linktype)) {
       return wrong(20, "link type 227 (CAN over SocketCAN), 113 or 276 (Linux cooked), found " +

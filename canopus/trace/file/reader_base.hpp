@@ -1,6 +1,6 @@
 #pragma once
 // What the readers of all formats share: the input, the channels, the count of what was left out. And how each of
-// them is made; open_trace() is for who does not know the format.
+// them is made; open_trace() finds the format itself.
 
 #include <cstddef>
 #include <cstdint>
@@ -39,7 +39,7 @@ class ReaderBase : public TraceReader {
   FileFormat format_;
 };
 
-/// Class of an error frame of which the format tells nothing: CAN_ERR_BUSERROR, as asc2log has it.
+/// Class of an error frame whose format has none: CAN_ERR_BUSERROR, as asc2log has it.
 inline constexpr std::uint32_t unspecified_error = 0x80;
 
 /// Puts class (29 bits of the identifier) and data of a SocketCAN error frame into the record.

@@ -24,7 +24,7 @@ constexpr std::array magics{
     Magic{"\x4D\x3C\xB2\xA1"sv, FileFormat::pcap},   Magic{"LOGG"sv, FileFormat::blf},
 };
 
-/// What a line says of the format, if it says something.
+/// The format that a line gives away, if any.
 std::optional<FileFormat> format_of_line(std::string_view line) {
   if (line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);
   Words words(line);
@@ -46,7 +46,7 @@ std::optional<FileFormat> format_of_line(std::string_view line) {
   return std::nullopt;
 }
 
-/// Nothing while what was read so far leaves it open.
+/// Nothing until enough was read to decide the format.
 std::optional<FileFormat> format_of(std::string_view begin, bool all) {
   for (const Magic& magic : magics) {
     if (begin.starts_with(magic.bytes)) return magic.format;

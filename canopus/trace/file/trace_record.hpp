@@ -8,7 +8,7 @@
 
 namespace canopus::trace {
 
-/// A frame that somebody recorded. The name of its channel is TraceReader::channel(record.channel).
+/// A recorded frame. The name of its channel is TraceReader::channel(record.channel).
 struct TraceRecord {
   can::Time time{};           ///< since the zero of the file: often 1970, or the start of the recording
   std::uint16_t channel = 0;  ///< counted from 0 in the order in which the file names them

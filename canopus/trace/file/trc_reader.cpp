@@ -116,7 +116,7 @@ class TrcReader final : public TextReader {
     if (!offset) return mistake("expected a time in ms, found " + shown(row.offset));
     record.time = can::later(start_, *offset);
     const std::string_view type = row.type;
-    // 1.x name the direction as type; 1.0 has neither, and tells of errors with an identifier that none has
+    // 1.x name the direction as type; 1.0 has neither, and marks errors by an identifier that no frame has
     const bool in_type = same_word(type, "Rx") || same_word(type, "Tx");
     const bool error = type == "ER" || same_word(type, "Error");
     const bool is_frame =

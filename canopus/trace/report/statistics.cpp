@@ -40,7 +40,7 @@ std::string who_sends(const Message& message) {
   } else {
     service = name(message.service);
   }
-  // What NMT and LSS frames address, and who an MPDO names, changes from frame to frame.
+  // The node that an NMT, LSS or MPDO frame addresses changes from frame to frame.
   if (message.node == 0 || message.service == Service::nmt || message.service == Service::mpdo)
     return service;
   return fmt::format("{} of {}", service, node_text(message));
@@ -123,7 +123,7 @@ void Statistics::count_identifier(ChannelFigures& channel, const Message& messag
 }
 
 void Statistics::heartbeat(NodeFigures& node, const Message& message, const Decoder& decoder) {
-  // Whoever boots begins anew: the time it was away is no lost heartbeat.
+  // A node that boots begins anew: the time it was away is no lost heartbeat.
   const bool boots = message.kind == "boot-up";
   if (!boots) ++node.heartbeats;
   if (const BusKnowledge* const known = decoder.knowledge(message.channel)) {

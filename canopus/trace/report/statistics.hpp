@@ -50,7 +50,7 @@ struct NodeFigures {
   std::uint64_t heartbeats = 0;
   std::uint64_t lost_heartbeats = 0;       ///< that should have come in the gaps
   can::Duration producer_time{};           ///< 0: not known
-  bool producer_time_is_measured = false;  ///< nobody said it: the most usual gap
+  bool producer_time_is_measured = false;  ///< from no file or object: the most usual gap
   TimeFigures heartbeat_cycle{};
   std::uint64_t reads = 0;
   std::uint64_t writes = 0;
@@ -92,7 +92,7 @@ class Statistics {
 
   /// Every record, before the decoder has it.
   void record(const TraceRecord& record, std::string_view channel);
-  /// Every message of the decoder. It has told of each frame or transfer once.
+  /// Every message of the decoder, each frame or transfer once.
   void message(const Message& message, const Decoder& decoder);
   /// At the end.
   void finish();

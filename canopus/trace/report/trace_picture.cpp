@@ -108,7 +108,7 @@ void TracePicture::Curve::add(Point point) {
 }
 
 void TracePicture::Curve::thin_out() {
-  // Of every four points in a row the first, the last and the extremes say what the curve did.
+  // Of every four points in a row the first, the last and the extremes show the curve.
   std::vector<Point> kept;
   for (std::size_t i = 0; i < points.size(); i += 4) {
     const auto begin = points.begin() + static_cast<std::ptrdiff_t>(i);
