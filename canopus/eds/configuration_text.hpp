@@ -37,11 +37,11 @@ struct ConfigurationNames {
 [[nodiscard]] std::expected<void, std::string> remove_parameter_value(IniText& file, std::uint16_t index,
                                                                       std::uint8_t sub);
 
-/// Why a value is none for this sub-index, as `key` says it: its type, its limits; empty: it is one.
+/// What is wrong with a value for this sub-index (type, limits), as a sentence about `key`; empty: nothing.
 [[nodiscard]] std::string value_problem(const canopen::DictionaryDescription& dictionary,
                                         const canopen::Entry& entry, std::string_view key,
                                         std::string_view value);
-/// Why no file can say this: a node-ID other than 1 to 127, a name of more than 246 letters; empty: it can.
+/// Why this cannot be written into a file: a node-ID other than 1 to 127, a name of more than 246 letters; empty: it can.
 [[nodiscard]] std::string commissioning_problem(const Commissioning& commissioning);
 
 }  // namespace canopus::eds

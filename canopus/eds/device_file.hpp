@@ -182,7 +182,7 @@ struct ReadResult {
   std::vector<Problem> problems;           ///< worst first, then by line; every one has a line
 };
 
-/// Reads an EDS or DCF, or an XDD or XDC: what it is, its content says. Never fails otherwise than by refusing.
+/// Reads an EDS, DCF, XDD or XDC; the content decides which. A refusal is the only failure.
 [[nodiscard]] ReadResult read_device_file(std::string_view text);
 
 /// What a device made from this file answers for 1000H and 1018H.

@@ -36,8 +36,8 @@ inline constexpr std::string_view modules_are_lost =
 [[nodiscard]] std::optional<std::string> default_text(const canopen::DictionaryDescription& dictionary,
                                                       const canopen::Entry& entry);
 
-/// Whether a file says of a sub-index that it may be mapped. What is in a PDO of the file against its word may be mapped
-/// all the same, and is found out again when the file is read.
+/// Whether the file allows to map a sub-index. One that the file maps without allowing it may be mapped, too; the reader
+/// repairs that again.
 [[nodiscard]] bool is_said_to_be_mappable(const canopen::EntryDescription& entry) noexcept;
 
 }  // namespace canopus::eds

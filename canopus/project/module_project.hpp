@@ -70,7 +70,7 @@ class ModuleProject {
   /// What is wrong with its time slots; empty: nothing.
   [[nodiscard]] std::string overlapping_slots() const;
 
-  /// Every value in its range, and what the values say together.
+  /// Checks the range of every value, and values that depend on each other.
   [[nodiscard]] std::vector<ProjectFinding> check() const;
 
  private:

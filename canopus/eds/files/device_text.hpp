@@ -14,7 +14,7 @@ namespace canopus::eds {
 
 class DeviceText {
  public:
-  /// Takes any bytes; which kind it is, its content says.
+  /// Takes any bytes; the content decides the kind.
   explicit DeviceText(std::string_view text);
 
   /// The file as it is now. Unchanged, these are the bytes it was made from.

@@ -20,7 +20,7 @@ class Text {
 
   using Done = std::expected<void, std::string>;
   /// Gives an attribute of an element this value: one line differs afterwards, or none when it had it. One that is not
-  /// there becomes the element's last one. Refused, with the reason and without any change: text that XML cannot say.
+  /// there becomes the element's last one. Refused, with the reason and without any change: text that XML cannot represent.
   [[nodiscard]] Done set(pugi::xml_node element, std::string_view name, std::string_view value);
   /// Takes an attribute out; no such attribute: nothing happens.
   [[nodiscard]] Done remove(pugi::xml_node element, std::string_view name);

@@ -27,8 +27,8 @@ struct AcceptedValue {
   std::uint32_t after = 0;
 };
 
-/// What differs: of the node's DCF what it has an object for, then of each manager what it checks of this node, which is what is
-/// not 0 there: a check that is off stays off.
+/// What differs: first the objects that the node's DCF has, then of each manager the checks of this node that are on (not 0). A
+/// check that is off stays off.
 [[nodiscard]] std::vector<AcceptedValue> find_accepted_values(const NetworkProject& project,
                                                               std::uint8_t node_id,
                                                               std::span<const IdentityValue> found);

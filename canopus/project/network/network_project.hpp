@@ -76,7 +76,7 @@ class NetworkProject {
   [[nodiscard]] const ProjectNode* find(std::uint8_t node_id) const noexcept;
   /// "5", "0x05" or a node's name, in any case when that is the only one. The error says what was expected.
   [[nodiscard]] std::expected<const ProjectNode*, std::string> find(std::string_view node) const;
-  /// That all DCFs have that name one, bit/s; 0: none does, or they differ.
+  /// Bit rate in bit/s on which the DCFs agree; 0: none has one, or they differ.
   [[nodiscard]] std::uint32_t bit_rate() const;
   /// The lowest node-ID from 1 on that no node has, 0: none.
   [[nodiscard]] std::uint8_t free_node_id() const noexcept;
@@ -87,7 +87,7 @@ class NetworkProject {
   [[nodiscard]] Done set_bit_rate(std::uint32_t bit_rate);
   /// Makes a DCF of an EDS or DCF, an XDC of an XDD or XDC: its node-ID.
   [[nodiscard]] std::expected<std::uint8_t, std::string> add_node(const NewNode& node);
-  /// Takes it out of the list, and its DCF away when no other node has it.
+  /// Removes it from the list, and its DCF if no other node uses it.
   [[nodiscard]] Done remove_node(std::uint8_t node_id);
   /// Name, reference, present and node-ID, in the list and its DCF.
   [[nodiscard]] Done change_node(std::uint8_t node_id, const ListedNode& node);

@@ -1,5 +1,5 @@
 #pragma once
-// Signals that go from one node to another: what the PDOs of a project say, and PDOs made for what is wanted.
+// Signals that go from one node to another: found in the PDOs of a project, and PDOs made for new ones.
 
 #include <cstdint>
 #include <expected>
@@ -29,7 +29,7 @@ struct SignalLink {
   unsigned bits = 0;
 };
 
-/// All of the nodes that are present. What is not at the same bits on both sides is none (network_review.hpp says so).
+/// All signals between nodes that are present. Bits that differ between the two sides are none: network_review.hpp reports them.
 [[nodiscard]] std::vector<SignalLink> find_links(const NetworkProject& project);
 
 /// A PDO that was changed for a link.
@@ -39,7 +39,7 @@ struct PdoChange {
   Pdo after{};
 };
 
-/// Has `from` be sent and `to` take it. The signal's own TPDO is taken if there is one, else one that goes to that node
+/// Connects `from` to `to`. The signal's own TPDO is used if there is one, else one that goes to that node
 /// already, one that is not in use, one with room; the RPDO has unused bits before the signal as needed. Changes nothing, and
 /// says why, when the two do not have the same length, are not mappable, or have no PDO left. Nothing is to be done: no
 /// changes.

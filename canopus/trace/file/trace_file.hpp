@@ -20,7 +20,7 @@ namespace canopus::trace {
 
 class TraceFile {
  public:
-  /// Creates or empties the file. The error names it and says what the system said.
+  /// Creates or empties the file. The error names it and has the reason of the system.
   [[nodiscard]] static std::expected<TraceFile, std::string> create(
       const std::string& path, FileFormat format, TrcVersion trc_version = TrcVersion::v2_1);
   /// Hands the header and each record, whole, to `writer`, which returns 0 or an errno. `path` is for errors.

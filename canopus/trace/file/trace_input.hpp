@@ -26,7 +26,7 @@ class TraceInput {
   /// The number of bytes put into the span, 0 at the end, or an errno.
   using Source = std::function<std::expected<std::size_t, int>(std::span<char>)>;
 
-  /// "-" is the standard input. The error names the file and says what the system said. A named pipe is not waited
+  /// "-" is the standard input. The error names the file and has the reason of the system. A named pipe is not waited
   /// for here, but when it is read.
   [[nodiscard]] static std::expected<TraceInput, std::string> open(const std::string& path,
                                                                    KeepReading keep_reading = {});
