@@ -46,7 +46,7 @@ class NetworkMasterTest : public testing::Test, public NetworkObserver {
     note("failed", which);
   }
   void boot_went_on(const NetworkSlave& which, const manager::BootRecord& record, can::Time) override {
-    note(std::string(manager::describe(record.step)), which);
+    note(std::string(manager::facts(record.step).text), which);
   }
   void master_changed(bool is_own, std::uint8_t node_id, can::Time) override {
     events.push_back(is_own ? "this is the master" : "master is " + std::to_string(node_id));

@@ -10,10 +10,11 @@ using manager::BootError;
 using manager::BootStep;
 
 void add_boot(text::Json& line, const manager::BootRecord& record, can::Time now) {
-  line["step"] = manager::describe(record.step);
+  line["step"] = manager::facts(record.step).text;
   line["since"] = static_cast<double>(record.since.time_since_epoch() / std::chrono::microseconds(1)) / 1e6;
-  const bool names_object = asks_object(record.step == BootStep::failed ? record.failed_step : record.step) ||
-                            record.step == BootStep::presence_pause;
+  const bool names_object =
+      facts(record.step == BootStep::failed ? record.failed_step : record.step).asks_object ||
+      record.step == BootStep::presence_pause;
   if (names_object && record.index != 0) {
     line["object"] = fmt::format("{:04X}:{:02X}", record.index, record.sub);
   }

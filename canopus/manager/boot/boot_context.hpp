@@ -30,7 +30,7 @@ struct BootContext {
     record.since = now;
     transfer.forget();
     deadline = limit > can::Duration{} ? later(now, limit) : can::never;
-    if (!asks_object(step)) host.boot_went_on(node_id, record, now);
+    if (!facts(step).asks_object) host.boot_went_on(node_id, record, now);
   }
   /// Reads this object, as this step.
   void ask(BootStep step, std::uint16_t index, std::uint8_t sub, can::Time now) {

@@ -1,5 +1,6 @@
 #include "canopus/manager/boot/boot_record.hpp"
 
+#include <array>
 #include <cstdio>
 
 namespace canopus::manager {
@@ -26,37 +27,51 @@ std::string_view describe(BootError error) noexcept {
   return "unknown error";
 }
 
-std::string_view describe(BootStep step) noexcept {
-  switch (step) {
-    case BootStep::idle: return "not being booted";
-    case BootStep::wait_after_reset: return "waiting for its boot-up message after the reset";
-    case BootStep::presence: return "asking for 1000H";
-    case BootStep::presence_pause: return "no answer to 1000H, waiting to ask again";
-    case BootStep::identity: return "checking its identity";
-    case BootStep::state_by_heartbeat: return "waiting for a heartbeat to learn its state";
-    case BootStep::state_by_guarding: return "waiting for a guarding answer to learn its state";
-    case BootStep::boot_up_after_reset: return "waiting for its boot-up message after Reset communication";
-    case BootStep::software_version: return "comparing its software version";
-    case BootStep::program_state: return "asking whether its program runs";
-    case BootStep::program_stop: return "stopping its program";
-    case BootStep::program_clear: return "clearing its program";
-    case BootStep::program_download: return "downloading its program";
-    case BootStep::program_flash: return "waiting for its flash memory";
-    case BootStep::program_verify: return "comparing the software version of its new program";
-    case BootStep::program_start: return "starting its program";
-    case BootStep::program_started: return "waiting for its program to run";
-    case BootStep::restore: return "restoring its defaults";
-    case BootStep::boot_up_after_restore: return "waiting for its boot-up message after the restore";
-    case BootStep::configuration_date:
-    case BootStep::configuration_time: return "comparing its configuration date and time";
-    case BootStep::configuration: return "writing its configuration";
-    case BootStep::heartbeat_start: return "waiting for its first heartbeat";
-    case BootStep::guarding_start: return "waiting for its first guarding answer";
-    case BootStep::booted: return "booted";
-    case BootStep::failed: return "failed";
-  }
-  return "unknown step";
-}
+namespace {
+
+// clang-format off
+constexpr auto steps = [] {
+  using enum BootStep;
+  // The errors of `identity` and `boot_up_after_reset` depend on more than the step: BootSlave::error_of_step().
+  return std::to_array<BootStepFacts>({
+      {idle,                  BootPhase::boot,          false, BootError::no_answer,              "not being booted"},
+      {wait_after_reset,      BootPhase::boot,          false, BootError::no_answer,              "waiting for its boot-up message after the reset"},
+      {presence,              BootPhase::boot,          true,  BootError::no_answer,              "asking for 1000H"},
+      {presence_pause,        BootPhase::boot,          false, BootError::no_answer,              "no answer to 1000H, waiting to ask again"},
+      {identity,              BootPhase::boot,          true,  BootError::vendor,                 "checking its identity"},
+      {state_by_heartbeat,    BootPhase::boot,          false, BootError::no_heartbeat_state,     "waiting for a heartbeat to learn its state"},
+      {state_by_guarding,     BootPhase::boot,          false, BootError::no_guarding_state,      "waiting for a guarding answer to learn its state"},
+      {boot_up_after_reset,   BootPhase::boot,          false, BootError::no_heartbeat_state,     "waiting for its boot-up message after Reset communication"},
+      {software_version,      BootPhase::software,      true,  BootError::software_not_described, "comparing its software version"},
+      {program_state,         BootPhase::software,      true,  BootError::software_download,      "asking whether its program runs"},
+      {program_stop,          BootPhase::software,      true,  BootError::software_download,      "stopping its program"},
+      {program_clear,         BootPhase::software,      true,  BootError::software_download,      "clearing its program"},
+      {program_download,      BootPhase::software,      true,  BootError::software_download,      "downloading its program"},
+      {program_flash,         BootPhase::software,      true,  BootError::software_download,      "waiting for its flash memory"},
+      {program_verify,        BootPhase::software,      true,  BootError::software_download,      "comparing the software version of its new program"},
+      {program_start,         BootPhase::software,      true,  BootError::software_download,      "starting its program"},
+      {program_started,       BootPhase::software,      true,  BootError::software_download,      "waiting for its program to run"},
+      {restore,               BootPhase::configuration, true,  BootError::configuration,          "restoring its defaults"},
+      {boot_up_after_restore, BootPhase::configuration, false, BootError::configuration,          "waiting for its boot-up message after the restore"},
+      {configuration_date,    BootPhase::configuration, true,  BootError::configuration,          "comparing its configuration date and time"},
+      {configuration_time,    BootPhase::configuration, true,  BootError::configuration,          "comparing its configuration date and time"},
+      {configuration,         BootPhase::configuration, true,  BootError::configuration,          "writing its configuration"},
+      {heartbeat_start,       BootPhase::error_control, false, BootError::no_error_control,       "waiting for its first heartbeat"},
+      {guarding_start,        BootPhase::error_control, false, BootError::no_error_control,       "waiting for its first guarding answer"},
+      {booted,                BootPhase::boot,          false, BootError::no_answer,              "booted"},
+      {failed,                BootPhase::boot,          false, BootError::no_answer,              "failed"},
+  });
+}();
+// clang-format on
+static_assert([] {
+  for (std::size_t i = 0; i < steps.size(); ++i)
+    if (static_cast<std::size_t>(steps[i].step) != i) return false;
+  return steps.size() == static_cast<std::size_t>(BootStep::failed) + 1;
+}());
+
+}  // namespace
+
+const BootStepFacts& facts(BootStep step) noexcept { return steps[static_cast<std::size_t>(step)]; }
 
 namespace {
 
@@ -189,7 +204,7 @@ std::string advice(const BootRecord& record) {
 }  // namespace
 
 std::string describe(const BootRecord& record) {
-  std::string text(describe(record.step));
+  std::string text(facts(record.step).text);
   switch (record.step) {
     case BootStep::identity:
     case BootStep::configuration:
@@ -211,7 +226,7 @@ std::string describe(const BootRecord& record) {
 
 std::string explain(const BootRecord& record, can::Time now) {
   const bool advice_counts = record.step == BootStep::presence_pause;  // the requests
-  std::string text = advice_counts ? std::string(describe(record.step)) : describe(record);
+  std::string text = advice_counts ? std::string(facts(record.step).text) : describe(record);
   if (record.step != BootStep::idle) {
     char duration[32];
     std::snprintf(duration, sizeof duration, "%.1f", seconds(now) - seconds(record.since));

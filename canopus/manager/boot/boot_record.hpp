@@ -71,29 +71,18 @@ enum class BootStep : std::uint8_t {
   booted,                 ///< done
   failed,                 ///< ended with an error; begins again with the slave's next boot-up message
 };
-/// The step is one SDO transfer, or several.
-[[nodiscard]] constexpr bool asks_object(BootStep step) noexcept {
-  switch (step) {
-    case BootStep::presence:
-    case BootStep::identity:
-    case BootStep::software_version:
-    case BootStep::program_state:
-    case BootStep::program_stop:
-    case BootStep::program_clear:
-    case BootStep::program_download:
-    case BootStep::program_flash:
-    case BootStep::program_verify:
-    case BootStep::program_start:
-    case BootStep::program_started:
-    case BootStep::restore:
-    case BootStep::configuration_date:
-    case BootStep::configuration_time:
-    case BootStep::configuration: return true;
-    default: return false;
-  }
-}
-/// "reading 1000H", ...
-[[nodiscard]] std::string_view describe(BootStep step) noexcept;
+/// Which of the procedures of CiA 302 a step belongs to.
+enum class BootPhase : std::uint8_t { boot, software, configuration, error_control };
+
+/// What is to be known of a step.
+struct BootStepFacts {
+  BootStep step;
+  BootPhase phase;
+  bool asks_object;       ///< the step is one SDO transfer, or several
+  BootError error;        ///< what a failure of the step is, where nothing else decides it
+  std::string_view text;  ///< "checking its identity"
+};
+[[nodiscard]] const BootStepFacts& facts(BootStep step) noexcept;
 
 struct BootRecord {
   BootStep step = BootStep::idle;

@@ -65,13 +65,11 @@ void BootSlave::boot_up(can::Time now) {
     case BootStep::presence_pause: return ask_presence(now);
     case BootStep::boot_up_after_reset: return follow_software(software_.check(now), now);
     case BootStep::boot_up_after_restore: return follow_configuration(configuration_.compare(now), now);
-    case BootStep::program_stop:
-    case BootStep::program_clear:
-    case BootStep::program_download:
-    case BootStep::program_start:
-    case BootStep::program_started: return follow_software(software_.boot_up(now), now);
-    default: return start(false, now);
+    default: break;
   }
+  if (facts(boot_.record.step).phase == BootPhase::software)
+    return follow_software(software_.boot_up(now), now);
+  start(false, now);
 }
 
 void BootSlave::ask_presence(can::Time now) {
@@ -207,31 +205,11 @@ void BootSlave::fail(BootError error, can::Time now) {
 }
 
 BootError BootSlave::error_of_step() const noexcept {
-  switch (boot_.record.step) {
-    case BootStep::identity: return identity_error(boot_.record.sub);
-    case BootStep::state_by_heartbeat: return BootError::no_heartbeat_state;
-    case BootStep::state_by_guarding: return BootError::no_guarding_state;
-    case BootStep::boot_up_after_reset:
-      return boot_.host.heartbeat_time(boot_.node_id) > can::Duration{} ? BootError::no_heartbeat_state
-                                                                        : BootError::no_guarding_state;
-    case BootStep::software_version: return BootError::software_not_described;
-    case BootStep::program_state:
-    case BootStep::program_stop:
-    case BootStep::program_clear:
-    case BootStep::program_download:
-    case BootStep::program_flash:
-    case BootStep::program_verify:
-    case BootStep::program_start:
-    case BootStep::program_started: return BootError::software_download;
-    case BootStep::restore:
-    case BootStep::boot_up_after_restore:
-    case BootStep::configuration_date:
-    case BootStep::configuration_time:
-    case BootStep::configuration: return BootError::configuration;
-    case BootStep::heartbeat_start:
-    case BootStep::guarding_start: return BootError::no_error_control;
-    default: return BootError::no_answer;
-  }
+  const BootStep step = boot_.record.step;
+  if (step == BootStep::identity) return identity_error(boot_.record.sub);
+  if (step == BootStep::boot_up_after_reset && boot_.host.heartbeat_time(boot_.node_id) <= can::Duration{})
+    return BootError::no_guarding_state;
+  return facts(step).error;
 }
 
 void BootSlave::give_up(can::Time now) {
@@ -265,21 +243,12 @@ void BootSlave::transfer_ended(can::Time now) {
   switch (boot_.record.step) {
     case BootStep::presence: return presence_answered(now);
     case BootStep::identity: return identity_answered(now);
-    case BootStep::software_version:
-    case BootStep::program_state:
-    case BootStep::program_stop:
-    case BootStep::program_clear:
-    case BootStep::program_download:
-    case BootStep::program_flash:
-    case BootStep::program_verify:
-    case BootStep::program_start:
-    case BootStep::program_started: return follow_software(software_.answered(now), now);
-    case BootStep::restore:
-    case BootStep::configuration_date:
-    case BootStep::configuration_time:
-    case BootStep::configuration: return follow_configuration(configuration_.answered(now), now);
-    default: return;
+    default: break;
   }
+  const BootStepFacts& step = facts(boot_.record.step);
+  if (!step.asks_object) return;
+  if (step.phase == BootPhase::software) return follow_software(software_.answered(now), now);
+  if (step.phase == BootPhase::configuration) follow_configuration(configuration_.answered(now), now);
 }
 
 }  // namespace canopus::manager
