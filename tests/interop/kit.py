@@ -1,7 +1,6 @@
 """What the checks of interop.py share: running commands and plants, skipping, the scratch folder."""
 import argparse
 import contextlib
-import fcntl
 import json
 import os
 import pathlib
@@ -14,6 +13,7 @@ import sys
 import threading
 import time
 
+import node_packages
 from runner import Skip
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -328,11 +328,8 @@ def node_modules():
     for tool in ("node", "npm"):
         if not shutil.which(tool):
             raise Skip(f"{tool} is not installed")
-    wanted = json.loads((HERE / "package.json").read_text())["dependencies"]
-    with one_at_a_time():
-        if not all((HERE / "node_modules" / name).is_dir() for name in wanted):
-            # What is optional are serial ports.
-            command("npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts", "--omit=optional", cwd=HERE, timeout=600)
+    with node_packages.one_at_a_time(HERE):
+        node_packages.install(HERE, scratch.path.parent, lambda words: command("npm", *words, cwd=HERE, timeout=600))
         build_crc()
 
 
@@ -343,14 +340,6 @@ def browser():
             node_modules()
             return path
     raise Skip("no Chromium: tools/install-packages long")
-
-
-@contextlib.contextmanager
-def one_at_a_time():
-    """Checks run side by side; what they do in here, they do one after the other."""
-    with open(scratch.path.parent / "lock", "w") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        yield
 
 
 def build_crc():

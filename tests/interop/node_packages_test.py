@@ -1,0 +1,72 @@
+"""The npm packages of the checks are installed once, and again where other versions are wanted."""
+import json
+import pathlib
+import sys
+
+import pytest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import node_packages  # noqa: E402
+
+
+class Npm:
+    """Installs what the folder asks for, or fails."""
+
+    def __init__(self, folder, error=None):
+        self.folder, self.error, self.calls = folder, error, 0
+        self.want("1.0.0")
+
+    def want(self, version):
+        (self.folder / "package.json").write_text(json.dumps({"dependencies": {"canopen": version}}))
+
+    def __call__(self, words):
+        self.calls += 1
+        assert words[0] == "ci"  # as the lock file has it
+        if self.error:
+            raise RuntimeError(self.error)
+        package = self.folder / "node_modules/canopen"
+        package.mkdir(parents=True, exist_ok=True)
+        wanted = json.loads((self.folder / "package.json").read_text())["dependencies"]["canopen"]
+        (package / "package.json").write_text(json.dumps({"version": wanted}))
+
+
+@pytest.fixture
+def run_folder(tmp_path):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    return folder
+
+
+def test_packages_are_installed_once_for_all_checks(tmp_path, run_folder):
+    npm = Npm(tmp_path)
+    for _ in range(3):
+        node_packages.install(tmp_path, run_folder, npm)
+    assert npm.calls == 1
+
+
+def test_packages_of_another_version_are_installed_again(tmp_path, run_folder):
+    npm = Npm(tmp_path)
+    node_packages.install(tmp_path, run_folder, npm)
+    npm.want("1.0.1")
+    node_packages.install(tmp_path, run_folder, npm)
+    assert npm.calls == 2
+
+
+def test_an_install_that_fails_is_tried_once_in_a_run(tmp_path, run_folder):
+    npm = Npm(tmp_path, error="npm ci: no network")
+    for _ in range(3):
+        with pytest.raises(RuntimeError, match="npm ci: no network"):
+            node_packages.install(tmp_path, run_folder, npm)
+    assert npm.calls == 1
+
+
+def test_the_next_run_tries_an_install_again(tmp_path, run_folder):
+    npm = Npm(tmp_path, error="npm ci: no network")
+    with pytest.raises(RuntimeError):
+        node_packages.install(tmp_path, run_folder, npm)
+    npm.error = None
+    next_run = tmp_path / "next"
+    next_run.mkdir()
+    node_packages.install(tmp_path, next_run, npm)
+    assert node_packages.is_installed(tmp_path)
