@@ -42,7 +42,8 @@ std::string names_of(std::span<const WebCommand> commands) {
 /// What a field adds to a command line. The error says what was expected.
 std::expected<void, std::string> add_field(const WebCommandField& field, const Json& value,
                                            WebCommandLine& line, std::vector<std::string>& behind) {
-  const std::string_view name = field.option.empty() ? field.name : field.option;
+  std::string name(field.name);
+  std::ranges::replace(name, '_', '-');
   const auto expected = [&](std::string_view what) {
     return std::unexpected(fmt::format("{}: \"{}\" is to be {}", line.title, field.name, what));
   };

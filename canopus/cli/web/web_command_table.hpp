@@ -10,11 +10,12 @@
 
 namespace canopus::cli {
 
-/// A field of a command and what becomes of it.
+/// A field of a command and what becomes of it. It is said here and not read from the program's options: what a client may send
+/// must not change with the command line. web_command_table_test compares the two.
 struct WebCommandField {
   enum class Kind : std::uint8_t {
-    option,  ///< --name=TEXT
-    flag,    ///< --name
+    option,  ///< --bit-rate=TEXT of "bit_rate"
+    flag,    ///< --dry-run of "dry_run"
     word,    ///< behind the options
     words,   ///< likewise, each of a list
     file,    ///< a device file that comes along: {"name": ..., "text": ...}
@@ -22,7 +23,6 @@ struct WebCommandField {
   std::string_view name;
   Kind kind = Kind::option;
   bool required = false;
-  std::string_view option{};  ///< where it is not called as the field
 };
 
 struct WebCommand {

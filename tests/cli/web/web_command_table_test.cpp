@@ -42,6 +42,46 @@ class WebCommandTable : public testing::TestWithParam<WebCommand> {
     ASSERT_NE(option, nullptr) << word;
     EXPECT_EQ(option->value().empty(), equals == std::string::npos) << word;
   }
+
+  /// What the command takes behind its options, word by word; the last one may be a list.
+  struct Argument {
+    bool is_list = false;
+    bool required = false;
+  };
+  static std::vector<Argument> arguments_of(const Command& command) {
+    std::vector<Argument> all;
+    for (const Option& one : command.arguments()) {
+      const auto& data = one.data();
+      const bool is_fixed = data.least && data.least == data.most;
+      all.insert(all.end(), is_fixed ? static_cast<std::size_t>(*data.most) : 1,
+                 {.is_list = one.is_several() && !is_fixed, .required = data.required});
+    }
+    return all;
+  }
+  static void expect_fields(const WebCommand& web, const Command& command) {
+    auto arguments = arguments_of(command);
+    const bool has_place =
+        is_web_settings_command(web.title) ? web.settings == Settings::file : web.has_project;
+    if (has_place) arguments.erase(arguments.begin());
+    if (!web.makes_file.empty()) arguments.pop_back();
+    std::size_t place = 0;
+    for (const WebCommandField& field : web.fields) {
+      if (field.name.empty()) break;
+      SCOPED_TRACE(field.name);
+      std::string name(field.name);
+      std::ranges::replace(name, '_', '-');
+      using enum WebCommandField::Kind;
+      if (field.kind == option || field.kind == flag) {
+        expect_option(command, "--" + name + (field.kind == option ? "=VALUE" : ""));
+        continue;
+      }
+      ASSERT_LT(place, arguments.size()) << "the command takes fewer arguments";
+      EXPECT_EQ(field.kind == words, arguments[place].is_list);
+      EXPECT_LE(arguments[place].required, field.required) << "the command does not work without it";
+      ++place;
+    }
+    for (; place < arguments.size(); ++place) EXPECT_FALSE(arguments[place].required) << "argument " << place;
+  }
 };
 
 TEST_P(WebCommandTable, EachCommandAndField_IsOneOfTheProgram) {
@@ -65,24 +105,8 @@ TEST_P(WebCommandTable, EachCommandAndField_IsOneOfTheProgram) {
   if (web.takes_device_files) sent.emplace_back("--eds=FILE");
   if (web.settings == Settings::option) sent.emplace_back("--project=FILE");
   if (web.settings == Settings::model) sent.emplace_back("--model=MODEL");
-  std::size_t arguments = web.makes_file.empty() ? 0 : 1;
-  if (web.settings == Settings::file || (is_of_a_bus && web.has_project)) ++arguments;
-  bool has_list = false;
-  for (const WebCommandField& field : web.fields) {
-    if (field.name.empty()) break;
-    const std::string name(field.option.empty() ? field.name : field.option);
-    switch (field.kind) {
-      case WebCommandField::Kind::option: sent.push_back("--" + name + "=VALUE"); break;
-      case WebCommandField::Kind::flag: sent.push_back("--" + name); break;
-      case WebCommandField::Kind::words: has_list = true; [[fallthrough]];
-      case WebCommandField::Kind::word:
-      case WebCommandField::Kind::file: ++arguments; break;
-    }
-  }
   for (const std::string& word : sent) expect_option(*command, word);
-  const auto taken = command->arguments();
-  const bool takes_list = std::ranges::any_of(taken, [](const Option& one) { return one.is_several(); });
-  EXPECT_TRUE(takes_list || (arguments <= taken.size() && !has_list)) << arguments << " arguments are sent";
+  expect_fields(web, *command);
 }
 
 std::string name_of(const testing::TestParamInfo<WebCommand>& info) {
