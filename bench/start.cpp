@@ -19,8 +19,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "canopus/can/timeline.hpp"
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/cli/command_line.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
 
 #include "measure.hpp"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "canopus/canopen/node/node.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/manager/boot/concise_dcf.hpp"
 #include "canopus/manager/configuration/configuration_manager.hpp"
 #include "canopus/manager/nmt/nmt_master.hpp"

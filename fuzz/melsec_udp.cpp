@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 
+#include "canopus/plc/melsec/password_guard.hpp"
 #include "canopus/plc/melsec/session.hpp"
 
 #include "memory_module.hpp"

@@ -7,6 +7,8 @@
 
 #include <vector>
 
+#include "canopus/canopen/service/node_listener.hpp"
+
 #include "input.hpp"
 #include "node_objects.hpp"
 

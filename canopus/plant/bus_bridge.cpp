@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "canopus/plant/file/plant_file.hpp"
+
 namespace canopus::plant {
 namespace {
 

@@ -8,6 +8,8 @@
 
 namespace canopus::plant {
 
+struct BridgeSection;
+
 /// Stores each frame that passes its filter, whole, and sends it on the other bus as soon as that is free. A
 /// bridge acknowledges on both sides, as a node does.
 class BusBridge {

@@ -7,12 +7,15 @@
 #include <memory>
 #include <string>
 
+#include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/plant/bus_watch.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/sim/device/device.hpp"
 #include "canopus/store/parameter_file.hpp"
 
 namespace canopus::plant {
+
+struct DeviceSection;
 
 class DeviceSeat final : public can::Participant, private canopen::NodeListener, private sim::ForceListener {
  public:

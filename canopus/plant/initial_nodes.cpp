@@ -4,6 +4,8 @@
 
 #include "canopus/module/interface/communication_module.hpp"
 #include "canopus/plant/device_seat.hpp"
+#include "canopus/plant/file/plant_file.hpp"
+#include "canopus/plc/rack/rack.hpp"
 
 namespace canopus::plant {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "canopus/can/timeline.hpp"
 #include "canopus/plant/device_seat.hpp"
+#include "canopus/plant/file/lift_section.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/sim/lift/building.hpp"
 

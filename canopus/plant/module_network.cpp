@@ -7,6 +7,7 @@
 
 #include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
+#include "canopus/canopen/node/node.hpp"
 #include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/manager/boot/start_up_bits.hpp"
 #include "canopus/module/areas/network_variables.hpp"

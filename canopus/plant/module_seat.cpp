@@ -5,6 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "canopus/manager/boot/boot_record.hpp"
+#include "canopus/module/interface/event_records.hpp"
+#include "canopus/module/interface/slave_boot_record.hpp"
+#include "canopus/plant/slave_boot.hpp"
+
 namespace canopus::plant {
 
 namespace {

@@ -10,9 +10,12 @@
 #include <string_view>
 #include <vector>
 
+#include "canopus/manager/boot/boot_record.hpp"
 #include "canopus/module/interface/communication_module.hpp"
 #include "canopus/module/interface/non_volatile_memory.hpp"
+#include "canopus/module/interface/observer.hpp"
 #include "canopus/plant/bus_watch.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/plc/program/built_in_program.hpp"
 #include "canopus/plc/program/exchange_watch.hpp"

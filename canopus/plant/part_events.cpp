@@ -4,6 +4,12 @@
 #include <iterator>
 #include <string>
 
+#include "canopus/can/bus.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
+#include "canopus/manager/boot/boot_record.hpp"
+#include "canopus/module/interface/event_records.hpp"
+#include "canopus/sim/lift/lift_report.hpp"
+
 namespace canopus::plant {
 
 namespace {

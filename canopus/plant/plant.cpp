@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "canopus/module/interface/event_records.hpp"
 #include "canopus/plant/plant_parts.hpp"
+#include "canopus/plant/slave_boot.hpp"
 
 namespace canopus::plant {
 

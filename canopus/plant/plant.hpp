@@ -10,21 +10,52 @@
 #include <string_view>
 #include <vector>
 
-#include "canopus/can/bus.hpp"
-#include "canopus/can/timeline.hpp"
-#include "canopus/canopen/node/node.hpp"
-#include "canopus/manager/boot/boot_record.hpp"
-#include "canopus/module/interface/communication_module.hpp"
-#include "canopus/module/interface/observer.hpp"
-#include "canopus/plant/file/plant_file.hpp"
-#include "canopus/plc/rack/rack.hpp"
-#include "canopus/sim/lift/lift_report.hpp"
+#include "canopus/can/bus_error.hpp"
+#include "canopus/can/controller.hpp"
+#include "canopus/can/time.hpp"
+#include "canopus/canopen/dictionary/data_type.hpp"
+#include "canopus/canopen/service/nmt.hpp"
+#include "canopus/module/interface/led.hpp"
+#include "canopus/module/interface/module_information.hpp"
+#include "canopus/module/interface/module_types.hpp"
 
+namespace canopus::can {
+class Bus;
+struct BusLoad;
+class Timeline;
+}  // namespace canopus::can
+namespace canopus::canopen {
+struct Emergency;
+}
+namespace canopus::manager {
+struct BootRecord;
+}
+namespace canopus::module {
+class CommunicationModule;
+struct ModuleErrorRecord;
+struct ModuleEventRecord;
+}  // namespace canopus::module
+namespace canopus::plc {
+class Rack;
+}
 namespace canopus::sim {
 class Bus;
 }
+namespace canopus::sim::lift {
+struct LiftEvent;
+}
+namespace canopus::text {
+struct FileError;
+struct FileWarning;
+}  // namespace canopus::text
 
 namespace canopus::plant {
+
+struct BusSection;
+struct ModuleSection;
+struct PlantFile;
+struct PlcSection;
+struct SlaveBoot;
 
 /// Who a node is, for people.
 struct NodeLabel {
@@ -138,14 +169,6 @@ struct ModuleStatus {
   std::vector<module::Led> leds{};
   module::ModuleInformation information{};
   module::StartUp start_up = module::StartUp::none;  ///< of its network, as the active NMT master
-};
-
-/// How far a module of the plant is with the boot of a slave, which may be a node outside of the plant, or
-/// missing.
-struct SlaveBoot {
-  NodeLabel slave;
-  NodeLabel master;
-  manager::BootRecord record;
 };
 
 /// What keeps the process data of a module of the plant from being exchanged, while its NMT state may look

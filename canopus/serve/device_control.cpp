@@ -8,9 +8,11 @@
 #include <fmt/ranges.h>
 
 #include "canopus/eds/value.hpp"
+#include "canopus/module/interface/event_records.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/device_seat.hpp"
 #include "canopus/plant/file/process_value.hpp"
+#include "canopus/plc/rack/rack.hpp"
 #include "canopus/serve/control_message.hpp"
 #include "canopus/text/nearest_word.hpp"
 

@@ -17,6 +17,7 @@
 
 #include "canopus/link/linked_bus.hpp"
 #include "canopus/link/socket_pair.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/serve/real_time.hpp"
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/serve/replay_bus.hpp"
 
 namespace canopus::serve {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "canopus/plc/melsec/password_guard.hpp"
 #include "canopus/plc/melsec/port_settings.hpp"
 #include "canopus/plc/rack/rack.hpp"
 #include "canopus/serve/tcp_server.hpp"

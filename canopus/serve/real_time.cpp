@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/can/timeline.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::serve {

@@ -7,6 +7,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "canopus/can/timeline.hpp"
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/serve/pace.hpp"

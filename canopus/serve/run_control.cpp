@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/serve/control_message.hpp"
 #include "canopus/serve/device_control.hpp"
 #include "canopus/text/nearest_word.hpp"

@@ -19,6 +19,7 @@
 #include "canopus/can/timeline.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/module/interface/module.hpp"
+#include "canopus/module/interface/observer.hpp"
 #include "canopus/plc/rack/rack.hpp"
 #include "canopus/sim/bus/bus.hpp"
 #include "canopus/sim/device/device.hpp"

@@ -14,6 +14,7 @@
 #include <string>
 
 #include "canopus/canopen/node/node.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/link/bus_loop.hpp"
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "canopus/canopen/node/node.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
 
 namespace canopus::canopen {
 

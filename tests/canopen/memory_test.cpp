@@ -8,6 +8,7 @@
 #include <malloc.h>
 
 #include "canopus/canopen/sdo/sdo_client.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
 
 #include "canopen/conversation.hpp"
 

@@ -4,8 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/run/live_table.hpp"
+#include "canopus/plant/file/plant_file.hpp"
+#include "canopus/plc/rack/rack.hpp"
+#include "canopus/text/file_error.hpp"
 
 #include "cli/table_picture.hpp"
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "canopus/cli/events/event_printer.hpp"
+#include "canopus/sim/lift/lift_report.hpp"
 
 namespace canopus::cli::lift_printer_test {
 namespace {

@@ -11,7 +11,10 @@
 
 #include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/run/live_table.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
+#include "canopus/plc/rack/rack.hpp"
+#include "canopus/text/file_error.hpp"
 #include "canopus/text/file_text.hpp"
 
 #include "cli/table_picture.hpp"

@@ -8,6 +8,7 @@
 
 #include "canopus/cli/run/live_table.hpp"
 #include "canopus/cli/run/screen.hpp"
+#include "canopus/text/file_error.hpp"
 
 namespace canopus::cli::run_messages_test {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/run/live_table.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 
 #include "cli/table_picture.hpp"
 #include "paths.hpp"

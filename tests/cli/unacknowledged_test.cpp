@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "canopus/cli/events/event_printer.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
 
 #include "paths.hpp"

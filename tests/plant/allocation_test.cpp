@@ -6,7 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include "canopus/can/bus.hpp"
 #include "canopus/canopen/sdo/sdo_client.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/plc/melsec/session.hpp"
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/can/timeline.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "canopus/can/timeline.hpp"
+
 #include "support/plant_folder.hpp"
 
 namespace canopus::plant::fx_rack_test {

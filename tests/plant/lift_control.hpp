@@ -9,7 +9,9 @@
 #include <set>
 #include <vector>
 
+#include "canopus/can/timeline.hpp"
 #include "canopus/plant/plant.hpp"
+#include "canopus/plc/rack/rack.hpp"
 
 namespace canopus::plant {
 

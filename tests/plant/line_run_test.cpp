@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "canopus/can/bus.hpp"
+
 #include "plant/plant_review.hpp"
 
 namespace canopus::plant::line_run_test {

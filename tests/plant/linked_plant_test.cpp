@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "canopus/link/linked_bus.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/serve/linked_buses.hpp"
 
 #include "paths.hpp"

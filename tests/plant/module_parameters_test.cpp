@@ -3,6 +3,11 @@
 
 #include <fmt/format.h>
 
+#include "canopus/can/timeline.hpp"
+#include "canopus/canopen/node/node.hpp"
+#include "canopus/module/interface/communication_module.hpp"
+#include "canopus/module/interface/parameters.hpp"
+
 #include "support/plant_folder.hpp"
 
 namespace canopus::cli::module_parameters_test {

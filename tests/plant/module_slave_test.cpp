@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/events/event_printer.hpp"
+#include "canopus/plc/rack/rack.hpp"
 
 #include "support/plant_folder.hpp"
 

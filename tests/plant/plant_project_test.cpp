@@ -1,5 +1,7 @@
 // Buses whose nodes are those of a CiA 306 project.
 
+#include "canopus/plant/file/plant_file.hpp"
+
 #include "support/plant_folder.hpp"
 
 namespace canopus::plant_project_test {

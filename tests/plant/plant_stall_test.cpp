@@ -5,7 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "canopus/can/timeline.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
+#include "canopus/text/file_error.hpp"
 
 #include "paths.hpp"
 

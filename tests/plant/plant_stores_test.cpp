@@ -5,7 +5,10 @@
 
 #include <sys/stat.h>
 
+#include "canopus/can/bus.hpp"
+#include "canopus/can/timeline.hpp"
 #include "canopus/store/file_memory.hpp"
+#include "canopus/text/file_error.hpp"
 #include "canopus/text/file_text.hpp"
 
 #include "support/plant_folder.hpp"

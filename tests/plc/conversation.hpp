@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "canopus/can/timeline.hpp"
+#include "canopus/plc/melsec/password_guard.hpp"
 #include "canopus/plc/melsec/session.hpp"
 #include "canopus/plc/rack/rack.hpp"
 

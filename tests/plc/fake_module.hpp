@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "canopus/module/interface/module.hpp"
+#include "canopus/module/interface/observer.hpp"
 
 namespace canopus::plc::testing {
 

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/module/interface/observer.hpp"
 #include "canopus/plc/cpu/device_points.hpp"
 #include "canopus/plc/melsec/target.hpp"
 

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/can/timeline.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 
 namespace canopus::serve::real_time_test {

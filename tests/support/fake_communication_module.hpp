@@ -12,7 +12,10 @@
 #include <fmt/format.h>
 
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
+#include "canopus/canopen/node/node.hpp"
 #include "canopus/module/interface/communication_module.hpp"
+#include "canopus/module/interface/observer.hpp"
+#include "canopus/module/interface/program_interface.hpp"
 
 namespace canopus::support {
 

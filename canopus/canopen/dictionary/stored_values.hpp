@@ -10,18 +10,14 @@
 #include <span>
 #include <vector>
 
-#include "canopus/canopen/dictionary/object_dictionary.hpp"
+#include "canopus/canopen/dictionary/dictionary_description.hpp"
+#include "canopus/canopen/dictionary/stored_length.hpp"
 
 namespace canopus::canopen {
 
-/// Bytes of a value's length.
-enum class StoredLength : std::uint8_t { two_bytes = 2, four_bytes = 4 };
-/// The longest value that can be stored, in bytes.
-[[nodiscard]] constexpr std::size_t longest_stored_value(StoredLength form) noexcept {
-  return form == StoredLength::two_bytes ? 0xFFFF : 0xFFFF'FFFF;
-}
+class ObjectDictionary;
 
-/// One of them. The bytes are those that the reader reads from.
+/// A value. The bytes are those that the reader reads from.
 struct StoredValue {
   std::uint16_t index = 0;
   std::uint8_t sub = 0;

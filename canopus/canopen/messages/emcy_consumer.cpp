@@ -5,6 +5,7 @@
 
 #include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/service/cob_id.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
 
 namespace canopus::canopen {
 

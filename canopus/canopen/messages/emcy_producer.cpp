@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "canopus/can/little_endian.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
 
 namespace canopus::canopen {
 

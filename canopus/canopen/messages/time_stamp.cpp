@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "canopus/canopen/service/node_listener.hpp"
+
 namespace canopus::canopen {
 
 TimeStamp::TimeStamp(NodeContext& node) : node_(node) { node.dictionary.attach(0x1012, 0x1012, *this); }

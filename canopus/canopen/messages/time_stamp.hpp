@@ -14,6 +14,8 @@
 
 namespace canopus::canopen {
 
+struct TimeOfDay;
+
 class TimeStamp final : public ObjectHandler {
  public:
   explicit TimeStamp(NodeContext& node);

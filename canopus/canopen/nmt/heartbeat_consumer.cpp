@@ -4,6 +4,7 @@
 
 #include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/service/emcy_code.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
 
 namespace canopus::canopen {
 namespace {

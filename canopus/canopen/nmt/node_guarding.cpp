@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "canopus/canopen/service/emcy_code.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
 
 namespace canopus::canopen {
 

@@ -8,6 +8,7 @@
 #include "canopus/canopen/nmt/nmt_slave.hpp"
 #include "canopus/canopen/node/node_services.hpp"
 #include "canopus/canopen/service/frame_of.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
 
 namespace canopus::canopen {
 

@@ -19,10 +19,12 @@
 #include "canopus/canopen/service/identifier_filter.hpp"
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/canopen/service/node_context.hpp"
-#include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/canopen/service/node_options.hpp"
 
 namespace canopus::canopen {
+
+class NodeListener;
+struct TimeOfDay;
 
 class Node final : public can::Participant {
  public:

@@ -2,6 +2,7 @@
 
 #include "canopus/canopen/pdo/pdo_list.hpp"
 #include "canopus/canopen/service/emcy_code.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
 
 namespace canopus::canopen {
 namespace {

@@ -15,6 +15,7 @@
 #include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/canopen/service/identifier_table.hpp"
 #include "canopus/canopen/service/node_context.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
 
 namespace canopus::canopen {
 

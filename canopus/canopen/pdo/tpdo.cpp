@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "canopus/canopen/service/node_listener.hpp"
+
 namespace canopus::canopen {
 
 void Tpdos::activate(Tpdo& pdo, can::Time now) {

@@ -11,11 +11,13 @@
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/canopen/service/identifier_filter.hpp"
 #include "canopus/canopen/service/identifier_table.hpp"
-#include "canopus/canopen/service/node_listener.hpp"
+#include "canopus/canopen/service/nmt.hpp"
 #include "canopus/canopen/service/node_options.hpp"
 #include "canopus/canopen/service/timer_queue.hpp"
 
 namespace canopus::canopen {
+
+class NodeListener;
 
 /// Errors that a service of the node itself finds, and takes back when they are over.
 struct CommunicationError {

@@ -5,10 +5,11 @@
 #include <cstdint>
 
 #include "canopus/can/time.hpp"
-#include "canopus/canopen/dictionary/dictionary_description.hpp"
 #include "canopus/canopen/service/nmt.hpp"
 
 namespace canopus::canopen {
+
+struct Entry;
 
 /// An emergency message as sent or received [CiA 301 7.2.7].
 struct Emergency {

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "canopus/can/time.hpp"
-#include "canopus/canopen/dictionary/stored_values.hpp"
+#include "canopus/canopen/dictionary/stored_length.hpp"
 #include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/canopen/service/emcy_code.hpp"
 

@@ -6,7 +6,9 @@
 
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/terminal/plant_loading.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/sim/lift/units.hpp"
+#include "canopus/text/file_error.hpp"
 
 namespace canopus::cli {
 

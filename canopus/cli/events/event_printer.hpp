@@ -8,8 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include "canopus/can/bus.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/plant/plant.hpp"
+#include "canopus/plant/slave_boot.hpp"
+#include "canopus/sim/lift/lift_report.hpp"
 #include "canopus/text/json.hpp"
 
 namespace canopus::cli {

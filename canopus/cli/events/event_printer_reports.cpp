@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/events/event_printer.hpp"
+#include "canopus/module/interface/event_records.hpp"
 #include "canopus/text/json.hpp"
 
 namespace canopus::cli {

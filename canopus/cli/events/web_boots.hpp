@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "canopus/manager/boot/boot_record.hpp"
 #include "canopus/plant/plant.hpp"
 
 namespace canopus::cli {

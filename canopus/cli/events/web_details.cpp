@@ -15,6 +15,7 @@
 #include "canopus/cli/terminal/domain_words.hpp"
 #include "canopus/plant/catalogue/error_history.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/serve/device_control.hpp"
 
 namespace canopus::cli {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/terminal/boot_report.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/printable.hpp"
 

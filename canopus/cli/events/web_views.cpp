@@ -14,6 +14,7 @@
 #include "canopus/cli/terminal/boot_report.hpp"
 #include "canopus/module/areas/network_variables.hpp"
 #include "canopus/plant/device_seat.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 
 namespace canopus::cli {
 namespace {

@@ -5,7 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/cli/events/event_printer.hpp"
+#include "canopus/module/interface/event_records.hpp"
+#include "canopus/plant/file/plant_file.hpp"
+#include "canopus/text/file_error.hpp"
 
 namespace canopus::cli {
 namespace {

@@ -16,6 +16,7 @@
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/link/peer.hpp"
 #include "canopus/link/socketcand_server.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/serve/client_ports.hpp"
 #include "canopus/serve/control_server.hpp"

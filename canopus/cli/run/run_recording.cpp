@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "canopus/can/error_frame.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/text/file_name.hpp"
 
 namespace canopus::cli {

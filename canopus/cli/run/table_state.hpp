@@ -5,8 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "canopus/can/bus.hpp"
 #include "canopus/cli/run/run_messages.hpp"
 #include "canopus/plant/plant.hpp"
+#include "canopus/plant/slave_boot.hpp"
 
 namespace canopus::cli {
 

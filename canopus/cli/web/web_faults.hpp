@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "canopus/link/loop_clock.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/text/json.hpp"
 

@@ -7,7 +7,13 @@
 
 #include <fmt/format.h>
 
+#include "canopus/can/bus.hpp"
+#include "canopus/module/interface/communication_module.hpp"
+#include "canopus/module/interface/module.hpp"
+#include "canopus/module/interface/program_interface.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
+#include "canopus/plant/file/plant_file.hpp"
+#include "canopus/plc/rack/rack.hpp"
 
 namespace canopus::cli {
 namespace {

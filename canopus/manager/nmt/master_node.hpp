@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "canopus/canopen/node/node.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/manager/nmt/nmt_master.hpp"
 
 namespace canopus::manager {

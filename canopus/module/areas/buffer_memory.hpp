@@ -13,7 +13,8 @@
 #include <string_view>
 #include <vector>
 
-#include "canopus/module/interface/module.hpp"
+#include "canopus/can/time.hpp"
+#include "canopus/module/interface/module_types.hpp"
 
 namespace canopus::module {
 

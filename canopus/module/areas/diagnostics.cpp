@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "canopus/module/interface/observer.hpp"
+
 namespace canopus::module {
 
 Diagnostics::Diagnostics(const DiagnosticsTables& tables) : tables_(tables) {

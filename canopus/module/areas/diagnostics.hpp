@@ -15,9 +15,11 @@
 #include <vector>
 
 #include "canopus/can/time.hpp"
-#include "canopus/module/interface/observer.hpp"
+#include "canopus/module/interface/event_records.hpp"
 
 namespace canopus::module {
+
+class ModuleObserver;
 
 enum class ModuleEvent : std::uint8_t {
   canopen_start,

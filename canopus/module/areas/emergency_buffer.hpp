@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "canopus/canopen/node/node.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/module/areas/buffer_memory.hpp"
 
 namespace canopus::module {

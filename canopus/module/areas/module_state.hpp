@@ -10,7 +10,7 @@
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
 #include "canopus/canopen/node/node.hpp"
 #include "canopus/module/areas/buffer_memory.hpp"
-#include "canopus/module/interface/module.hpp"
+#include "canopus/module/interface/module_types.hpp"
 
 namespace canopus::module {
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <chrono>
 
+#include "canopus/canopen/service/node_listener.hpp"
+
 namespace canopus::module {
 
 namespace {

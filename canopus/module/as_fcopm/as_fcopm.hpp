@@ -14,6 +14,7 @@
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
 #include "canopus/module/as_fcopm/role.hpp"
 #include "canopus/module/interface/non_volatile_memory.hpp"
+#include "canopus/module/interface/observer.hpp"
 
 namespace canopus::module::as_fcopm {
 

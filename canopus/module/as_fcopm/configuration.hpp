@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "canopus/module/interface/download.hpp"
-#include "canopus/module/interface/module.hpp"
 
 namespace canopus::module::as_fcopm {
 

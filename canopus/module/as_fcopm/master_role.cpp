@@ -6,6 +6,7 @@
 #include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/canopen/service/emcy_code.hpp"
 #include "canopus/module/as_fcopm/object_table.hpp"
+#include "canopus/module/interface/observer.hpp"
 
 namespace canopus::module::as_fcopm {
 

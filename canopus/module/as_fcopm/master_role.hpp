@@ -9,7 +9,6 @@
 #include "canopus/module/as_fcopm/message_requests.hpp"
 #include "canopus/module/as_fcopm/node_states.hpp"
 #include "canopus/module/as_fcopm/role.hpp"
-#include "canopus/module/interface/observer.hpp"
 
 namespace canopus::module::as_fcopm {
 

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "canopus/module/areas/buffer_memory.hpp"
+#include "canopus/module/interface/module.hpp"
 #include "canopus/module/interface/program_interface.hpp"
 
 namespace canopus::module::as_fcopm {

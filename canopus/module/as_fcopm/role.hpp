@@ -7,10 +7,12 @@
 #include <vector>
 
 #include "canopus/canopen/node/node.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/module/as_fcopm/codes.hpp"
 #include "canopus/module/as_fcopm/configuration.hpp"
 #include "canopus/module/engine/profile.hpp"
 #include "canopus/module/interface/communication_module.hpp"
+#include "canopus/module/interface/slave_boot_record.hpp"
 
 namespace canopus::module::as_fcopm {
 

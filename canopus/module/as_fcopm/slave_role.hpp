@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/module/as_fcopm/register_table.hpp"
 #include "canopus/module/as_fcopm/role.hpp"
 

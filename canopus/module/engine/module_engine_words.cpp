@@ -4,6 +4,7 @@
 #include <string>
 
 #include "canopus/module/engine/module_engine.hpp"
+#include "canopus/module/interface/slave_boot_record.hpp"
 
 namespace canopus::module {
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <utility>
 
+#include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/module/engine/cpu_side.hpp"
 
 namespace canopus::module {

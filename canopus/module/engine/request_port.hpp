@@ -11,9 +11,14 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "canopus/canopen/service/node_listener.hpp"
-#include "canopus/manager/boot/boot_record.hpp"
 #include "canopus/module/interface/module.hpp"
+
+namespace canopus::canopen {
+struct Emergency;
+}
+namespace canopus::manager {
+struct BootRecord;
+}
 
 namespace canopus::module {
 

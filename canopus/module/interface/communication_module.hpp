@@ -7,35 +7,23 @@
 #include <span>
 #include <vector>
 
-#include "canopus/canopen/node/node.hpp"
-#include "canopus/manager/boot/boot_record.hpp"
+#include "canopus/canopen/dictionary/abort_code.hpp"
+#include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/module/interface/led.hpp"
 #include "canopus/module/interface/module.hpp"
-#include "canopus/module/interface/parameters.hpp"
-#include "canopus/module/interface/program_interface.hpp"
+#include "canopus/module/interface/module_information.hpp"
+
+namespace canopus::canopen {
+struct Emergency;
+class Node;
+}  // namespace canopus::canopen
 
 namespace canopus::module {
 
-/// A module's plain CAN function as seen from outside.
-enum class Layer2State : std::uint8_t {
-  inactive,  ///< another function mode, or the module has none
-  offline,
-  online,
-};
-
-/// How the boot of one slave went or where it is.
-struct SlaveBootRecord {
-  std::uint8_t node_id = 0;
-  manager::BootRecord record{};
-};
-
-/// What the engineering tool shows of a module beside its LEDs [RJ71CN91 5.2].
-struct ModuleInformation {
-  std::uint16_t function_mode = 0;  ///< as selected, 405; 0: none, the module is off
-  std::string_view function_mode_name{};
-  std::optional<std::uint32_t> bit_rate{};  ///< bit/s; none: off, or offline in a Layer 2 mode
-  std::optional<std::uint8_t> node_id{};    ///< none: off, or in a Layer 2 mode
-};
+struct ModuleErrorRecord;
+struct ModuleEventRecord;
+struct ProgramInterface;
+struct SlaveBootRecord;
 
 class CommunicationModule : public Module {
  public:
@@ -121,17 +109,17 @@ class CommunicationModule : public Module {
   [[nodiscard]] virtual const canopen::Node& node() const noexcept = 0;
   /// The slaves that it boots, or has booted, as the active NMT master, by node-ID. manager::explain() says in
   /// words where a boot is.
-  [[nodiscard]] virtual std::vector<SlaveBootRecord> boots() const { return {}; }
+  [[nodiscard]] virtual std::vector<SlaveBootRecord> boots() const;
   /// Whether it is in a Layer 2 mode, and online.
   [[nodiscard]] virtual Layer2State layer2_state() const noexcept { return Layer2State::inactive; }
   /// Its events in the CPU's event history, oldest first, and the errors that module diagnostics show now.
-  [[nodiscard]] virtual std::vector<ModuleEventRecord> event_history() const { return {}; }
-  [[nodiscard]] virtual std::vector<ModuleErrorRecord> module_errors() const { return {}; }
+  [[nodiscard]] virtual std::vector<ModuleEventRecord> event_history() const;
+  [[nodiscard]] virtual std::vector<ModuleErrorRecord> module_errors() const;
   /// What "Clear Error" of the engineering tool does. False: there is an error that it cannot clear.
   virtual bool clear_module_errors() { return true; }
   [[nodiscard]] virtual ModuleInformation information() const { return {}; }
   /// Emergency messages of other nodes that it keeps for the program, oldest first.
-  [[nodiscard]] virtual std::vector<canopen::Emergency> kept_emergencies() const { return {}; }
+  [[nodiscard]] virtual std::vector<canopen::Emergency> kept_emergencies() const;
   /// The concise DCF that it keeps for a slave (1F22H); empty: none. Valid until the module gets another one.
   [[nodiscard]] virtual std::span<const std::uint8_t> concise_dcf(std::uint8_t /*node_id*/) const {
     return {};

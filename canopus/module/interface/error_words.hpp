@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "canopus/module/interface/module.hpp"
+#include "canopus/module/interface/module_types.hpp"
 
 namespace canopus::module {
 

@@ -11,22 +11,11 @@
 
 #include "canopus/can/controller.hpp"
 #include "canopus/module/interface/data_sheet.hpp"
-#include "canopus/module/interface/observer.hpp"
+#include "canopus/module/interface/module_types.hpp"
 
 namespace canopus::module {
 
-/// Buffer memory address, 0..65535, in words.
-using BufferAddress = std::uint32_t;
-
-/// CPU operating state as a module sees it.
-enum class CpuState : std::uint8_t { stop, run };
-
-/// A fault that a test or a plant file gives a module.
-enum class ModuleFault : std::uint8_t {
-  hardware_error,  ///< the module finds its hardware faulty
-  watchdog_error,  ///< its firmware hangs: it does nothing any more
-  power_error,     ///< its supply was out of range for a moment [FX2N-32CAN 4.2.7]
-};
+class ModuleObserver;
 
 /// Buffer memory as a program reaches it.
 class BufferMemoryAccess {
@@ -89,15 +78,6 @@ class RegisterAccess {
 
  protected:
   ~RegisterAccess() = default;
-};
-
-/// What the start-up of the NMT master inside waits for.
-enum class StartUp : std::uint8_t {
-  none,                 ///< no active NMT master
-  booting,              ///< slaves
-  waits_for_own_start,  ///< nothing but the own node: 1F80H bit 2, a CPU in STOP, or it left Operational since
-  ended,                ///< nothing: the own node is Operational
-  halted,  ///< nothing: a mandatory slave was not booted; until the next start-up no slave is booted
 };
 
 class Module : public can::Participant {

@@ -2,52 +2,20 @@
 // Who watches a module from outside: the live table, the JSON lines, a trace. Everything is reported as it
 // happens, on the loop the module lives on; nothing is asked back.
 
-#include <array>
 #include <cstdint>
-#include <optional>
 #include <string_view>
 
 #include "canopus/can/time.hpp"
-#include "canopus/manager/boot/boot_record.hpp"
+#include "canopus/module/interface/module_types.hpp"
+
+namespace canopus::manager {
+struct BootRecord;
+}
 
 namespace canopus::module {
 
-/// Direction of a signal, as the CPU names it.
-enum class SignalKind : std::uint8_t {
-  input,   ///< X: module to CPU
-  output,  ///< Y: CPU to module
-};
-
-/// How bad an error is [RJ71CN91 5.1].
-enum class ErrorClass : std::uint8_t { minor, moderate, major };
-[[nodiscard]] constexpr std::string_view name(ErrorClass error_class) noexcept {
-  switch (error_class) {
-    case ErrorClass::minor: return "minor";
-    case ErrorClass::moderate: return "moderate";
-    case ErrorClass::major: return "major";
-  }
-  return "unknown";
-}
-
-/// One line of the CPU's event history.
-struct ModuleEventRecord {
-  can::Time at{};
-  std::uint16_t code = 0;  ///< 00400H ...
-  std::string_view overview{};
-  std::optional<std::uint32_t> detail{};
-};
-/// One line of module diagnostics.
-struct ModuleErrorRecord {
-  struct Detail {
-    std::string_view name{};  ///< empty: there is none
-    std::uint32_t value = 0;
-  };
-  can::Time at{};
-  std::uint16_t code = 0;
-  ErrorClass error_class{};
-  std::string_view overview{};
-  std::array<Detail, 2> details{};
-};
+struct ModuleErrorRecord;
+struct ModuleEventRecord;
 
 class ModuleObserver {
  public:

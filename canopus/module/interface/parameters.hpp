@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "canopus/module/interface/module.hpp"
+#include "canopus/module/interface/module_types.hpp"
 
 namespace canopus::module {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "canopus/module/interface/module.hpp"
+#include "canopus/module/interface/module_types.hpp"
 
 namespace canopus::module {
 

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "canopus/module/areas/diagnostics.hpp"
+#include "canopus/module/interface/event_records.hpp"
 
 namespace canopus::module::rj71cn91 {
 

@@ -7,7 +7,10 @@
 #include <fmt/ranges.h>
 
 #include "canopus/canopen/dictionary/abort_code.hpp"
+#include "canopus/canopen/node/node.hpp"
 #include "canopus/canopen/service/emcy_code.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
+#include "canopus/module/interface/event_records.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/trace/decode/service_text.hpp"
 

@@ -15,7 +15,7 @@
 #include "canopus/can/frame.hpp"
 #include "canopus/link/allow_list.hpp"
 #include "canopus/link/bus_address.hpp"
-#include "canopus/module/interface/module.hpp"
+#include "canopus/module/interface/module_types.hpp"
 #include "canopus/plant/file/download_section.hpp"
 #include "canopus/plant/file/lift_section.hpp"
 #include "canopus/plc/cpu/device.hpp"

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "canopus/plc/melsec/password_guard.hpp"
 #include "canopus/plc/melsec/verdict.hpp"
 
 namespace canopus::plc::melsec {

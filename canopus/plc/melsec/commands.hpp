@@ -22,6 +22,8 @@
 
 namespace canopus::plc::melsec {
 
+class PasswordGuard;
+
 /// Points per request [SH-080008 appendix 5].
 inline constexpr std::size_t maximum_words = 960;
 inline constexpr std::size_t maximum_bits_binary = 7168;

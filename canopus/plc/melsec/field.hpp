@@ -13,10 +13,9 @@
 #include <string_view>
 
 #include "canopus/can/little_endian.hpp"
+#include "canopus/plc/melsec/data_code.hpp"
 
 namespace canopus::plc::melsec {
-
-enum class DataCode : std::uint8_t { binary, ascii };
 
 class FieldReader {
  public:

@@ -6,8 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "canopus/can/time.hpp"
-#include "canopus/plc/melsec/field.hpp"
+#include "canopus/plc/melsec/data_code.hpp"
 #include "canopus/plc/rack/write_permission.hpp"
 
 namespace canopus::plc::melsec {
@@ -20,26 +19,6 @@ struct PortSettings {
   /// Without it every request but 1630 and 1631 is refused until 1630 brought it. Empty: none.
   std::string remote_password{};
   bool remote_reset = false;  ///< 1006 is allowed, a parameter of the CPU
-};
-
-/// Who guesses the remote password of a port has few tries, whatever connections they use: all sessions of a
-/// port share one.
-class PasswordGuard {
- public:
-  static constexpr unsigned most_tries = 5;
-  static constexpr can::Duration lock_out = std::chrono::minutes(1);
-
-  [[nodiscard]] bool is_locked_out(can::Time now) const noexcept { return now < locked_out_until_; }
-  void failed(can::Time now) noexcept {
-    if (++failures_ < most_tries) return;
-    failures_ = 0;
-    locked_out_until_ = can::later(now, lock_out);
-  }
-  void succeeded() noexcept { failures_ = 0; }
-
- private:
-  unsigned failures_ = 0;
-  can::Time locked_out_until_{};
 };
 
 }  // namespace canopus::plc::melsec

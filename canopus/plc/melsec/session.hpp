@@ -29,6 +29,8 @@
 
 namespace canopus::plc::melsec {
 
+class PasswordGuard;
+
 class Session {
  public:
   /// Largest `length` field of a request that is read to its end. The largest that can be executed is 1406 in

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "canopus/plc/rack/rack.hpp"
+
 namespace canopus::plc::modbus {
 
 namespace {

@@ -19,8 +19,11 @@
 #include <vector>
 
 #include "canopus/can/time.hpp"
-#include "canopus/plc/rack/rack.hpp"
 #include "canopus/plc/rack/rack_address.hpp"
+
+namespace canopus::plc {
+class Rack;
+}
 
 namespace canopus::plc::modbus {
 

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "canopus/module/interface/module.hpp"
-#include "canopus/module/interface/observer.hpp"
 #include "canopus/module/interface/program_interface.hpp"
 
 namespace canopus::plc {

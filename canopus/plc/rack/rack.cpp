@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "canopus/module/interface/module.hpp"
 #include "canopus/module/interface/word_bytes.hpp"
 
 namespace canopus::plc {

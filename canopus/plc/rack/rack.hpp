@@ -23,11 +23,19 @@
 #include <vector>
 
 #include "canopus/can/timeline.hpp"
-#include "canopus/module/interface/module.hpp"
+#include "canopus/module/interface/data_sheet.hpp"
+#include "canopus/module/interface/module_types.hpp"
 #include "canopus/plc/cpu/device.hpp"
 #include "canopus/plc/cpu/device_words.hpp"
 #include "canopus/plc/rack/end_processing.hpp"
 #include "canopus/plc/rack/special_devices.hpp"
+
+namespace canopus::module {
+class BufferMemoryAccess;
+class Module;
+class RegisterAccess;
+class SignalAccess;
+}  // namespace canopus::module
 
 namespace canopus::plc {
 

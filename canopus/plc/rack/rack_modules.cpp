@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "canopus/module/interface/module.hpp"
 #include "canopus/plc/rack/rack.hpp"
 
 namespace canopus::plc {

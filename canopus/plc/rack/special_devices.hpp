@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "canopus/can/time.hpp"
-#include "canopus/module/interface/module.hpp"
+#include "canopus/module/interface/module_types.hpp"
 #include "canopus/plc/cpu/device.hpp"
 #include "canopus/plc/rack/scan.hpp"
 

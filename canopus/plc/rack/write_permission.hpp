@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-#include "canopus/plc/rack/rack.hpp"
-
 namespace canopus::plc {
+
+class Rack;
 
 /// What a client of a port may write, as the open settings of an Ethernet module have it.
 enum class WritePermission : std::uint8_t {
@@ -13,9 +13,6 @@ enum class WritePermission : std::uint8_t {
   never     ///< the client may only look: no remote operation either
 };
 
-[[nodiscard]] inline bool may_write(WritePermission permission, const Rack& rack) noexcept {
-  if (permission == WritePermission::in_stop) return rack.cpu_state() == module::CpuState::stop;
-  return permission == WritePermission::always;
-}
+[[nodiscard]] bool may_write(WritePermission permission, const Rack& rack) noexcept;
 
 }  // namespace canopus::plc

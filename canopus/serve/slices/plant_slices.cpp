@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "canopus/can/timeline.hpp"
+
 namespace canopus::serve {
 
 PlantSlices::PlantSlices(plant::Plant& plant, Use use)

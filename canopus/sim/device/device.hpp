@@ -16,6 +16,7 @@
 #include "canopus/can/controller.hpp"
 #include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/node/node.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/sim/device/application.hpp"
 #include "canopus/sim/device/behaviour.hpp"

@@ -8,6 +8,7 @@
 
 #include "canopus/can/gate.hpp"
 #include "canopus/canopen/node/node.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/lss/lss_slave.hpp"
 
 namespace canopus::sim {

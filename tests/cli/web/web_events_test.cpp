@@ -9,7 +9,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/cli/events/web_messages.hpp"
+#include "canopus/module/interface/event_records.hpp"
+#include "canopus/plant/file/plant_file.hpp"
+#include "canopus/sim/lift/lift_report.hpp"
 
 #include "paths.hpp"
 

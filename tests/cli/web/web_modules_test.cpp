@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canopus/cli/web/web_commands.hpp"
+#include "canopus/plc/rack/rack.hpp"
 
 #include "paths.hpp"
 #include "support/plant_folder.hpp"
