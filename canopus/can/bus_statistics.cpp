@@ -17,7 +17,7 @@ double share(Duration busy) { return std::chrono::duration<double>(busy).count()
 
 }  // namespace
 
-BusStatistics::BusStatistics() : second_end_(second), extended_(extended_slots) {}
+BusStatistics::BusStatistics() : extended_(extended_slots) {}
 
 std::size_t BusStatistics::slot_of(std::uint32_t identifier) const noexcept {
   std::size_t slot = (identifier * 2'654'435'761U >> 16) % extended_slots;
@@ -45,37 +45,51 @@ std::uint64_t BusStatistics::frames_of(std::uint32_t identifier, bool extended) 
   return slot == extended_slots || extended_[slot].identifier != identifier ? 0 : extended_[slot].frames;
 }
 
-void BusStatistics::close_second() noexcept {
-  last_ = share(busy_);
-  peak_ = std::max(peak_, last_);
-  busy_ = {};
-  second_end_ += second;
+void BusStatistics::Seconds::close() noexcept {
+  last = busy;
+  peak = std::max(peak, last);
+  busy = {};
+  end += second;
 }
 
-void BusStatistics::roll(Time start, Time end) noexcept {
-  if (start > second_end_) {
-    close_second();
-    if (start > second_end_) {  // whole seconds without a bit
-      last_ = 0;
-      second_end_ += second * ((start - second_end_ + second - Duration(1)) / second);
+void BusStatistics::Seconds::add_across(Time from, Time until) noexcept {
+  // Another piece of the wire may have come to this second first.
+  const Duration late = std::min(until, begin()) - std::max(from, begin() - second);
+  if (late > Duration{}) {
+    last += late;
+    peak = std::max(peak, last);
+  }
+  from = std::max(from, begin());
+  if (from > end) {
+    close();
+    if (from > end) {  // whole seconds without a bit
+      last = {};
+      end += second * ((from - end + second - Duration(1)) / second);
     }
   }
-  while (end > second_end_) {
-    busy_ += second_end_ - start;
-    start = second_end_;
-    close_second();
+  while (until > end) {
+    busy += end - from;
+    from = end;
+    close();
   }
-  busy_ += end - start;
+  if (until > from) busy += until - from;
 }
 
-BusLoad BusStatistics::load(Time now) const noexcept {
-  BusLoad load{.frames = frames_, .error_frames = error_frames_, .bits = bits_, .now = last_, .peak = peak_};
-  if (now >= second_end_) {
-    const bool just_ended = now < second_end_ + second;
-    load.now = just_ended ? share(busy_) : 0;
-    load.peak = std::max(load.peak, share(busy_));
+BusLoad BusStatistics::load(Time now, std::initializer_list<Time> under_way) const noexcept {
+  Seconds seconds = now < seconds_.begin() ? before_ : seconds_;
+  for (const Time from : under_way) {
+    if (from < now) seconds.add(from, now);
   }
-  return load;
+  if (now >= seconds.end) {
+    const bool has_just_ended = now < seconds.end + second;
+    seconds.close();
+    if (!has_just_ended) seconds.last = {};
+  }
+  return {.frames = frames_,
+          .error_frames = error_frames_,
+          .bits = bits_,
+          .now = share(seconds.last),
+          .peak = share(seconds.peak)};
 }
 
 }  // namespace canopus::can

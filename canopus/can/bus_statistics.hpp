@@ -2,7 +2,9 @@
 // How busy a bus is: frames and bits in all, per identifier, and the share of each second that was busy.
 
 #include <array>
+#include <chrono>
 #include <cstdint>
+#include <initializer_list>
 #include <vector>
 
 #include "canopus/can/frame.hpp"
@@ -25,16 +27,15 @@ class BusStatistics {
     }
   }
   void error_frame() noexcept { ++error_frames_; }
-  /// The wire was not idle from `start` to `end`, which is not before the end of the last call.
+  /// The wire was not idle from `start` to `end`, which may be some bits ahead of the present.
   void busy(Time start, Time end, std::uint64_t bits) noexcept {
     bits_ += bits;
-    if (end > second_end_) {
-      roll(start, end);
-    } else {
-      busy_ += end - start;
-    }
+    if (end > seconds_.end) before_ = seconds_;
+    seconds_.add(start, end);
   }
-  [[nodiscard]] BusLoad load(Time now) const noexcept;
+  /// `under_way`: when activities began that busy() is still to count; never: there is none. What of them is over by now counts, too:
+  /// how a bus divides its time must not hang on when it is said.
+  [[nodiscard]] BusLoad load(Time now, std::initializer_list<Time> under_way = {}) const noexcept;
   [[nodiscard]] std::uint64_t frames_of(std::uint32_t identifier, bool extended) const noexcept;
 
  private:
@@ -42,18 +43,32 @@ class BusStatistics {
     std::uint32_t identifier = 0;
     std::uint64_t frames = 0;  // 0: free
   };
+  /// Of the second that is counted, and of those before it, how long the wire was busy.
+  struct Seconds {
+    Time end = Time{} + std::chrono::seconds(1);  // of the one that is counted
+    Duration busy{};
+    Duration last{};
+    Duration peak{};
+
+    [[nodiscard]] Time begin() const noexcept { return end - std::chrono::seconds(1); }
+    void add(Time from, Time until) noexcept {
+      if (until > end || from < begin()) {
+        add_across(from, until);
+      } else {
+        busy += until - from;
+      }
+    }
+    void add_across(Time from, Time until) noexcept;
+    void close() noexcept;
+  };
   void count_extended(std::uint32_t identifier) noexcept;
   [[nodiscard]] std::size_t slot_of(std::uint32_t identifier) const noexcept;
-  void roll(Time start, Time end) noexcept;
-  void close_second() noexcept;
 
   std::uint64_t frames_ = 0;
   std::uint64_t error_frames_ = 0;
   std::uint64_t bits_ = 0;
-  Time second_end_;  // of the second that busy_ counts
-  Duration busy_{};
-  double last_ = 0;  // of the second before
-  double peak_ = 0;
+  Seconds seconds_;
+  Seconds before_;  // what it was when it came to another second
   std::array<std::uint64_t, 2048> base_{};
   std::vector<Extended> extended_;  // open addressing
   std::size_t extended_used_ = 0;

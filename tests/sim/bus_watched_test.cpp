@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
+
 #include "canopus/sim/bus/waveform.hpp"
 
 #include "sim/bus_run.hpp"
@@ -272,6 +274,48 @@ TEST(WatchedBus, CountersOfAControllerThatIsSwitchedOff_AreZeroInTheWaveformAtOn
   const auto handle = one.timeline.add(off);
   EXPECT_EQ(one.record("encoder_rec").back(), "10050.00=0");
   one.timeline.remove(handle);
+}
+
+/// The load at the end of the first and of the second second of a bus of 500 kbit/s on which a node sends 703#05 at this moment.
+std::vector<double> loads(Time sent, const std::vector<Fault>& faults, Watch how) {
+  can::Timeline timeline;
+  Bus bus("line", 500'000, timeline);
+  Station drive(bus, timeline, "drive");
+  const Station encoder(bus, timeline, "encoder");
+  NeedsBits bits;
+  std::optional<Waveform> waveform;
+  EXPECT_TRUE(bus.set_faults(faults, 1).has_value());
+  if (how == Watch::bits) bus.add_observer(static_cast<WireObserver&>(bits));
+  if (how == Watch::waveform) waveform.emplace(bus, Time{}, [](std::string_view) {});
+  drive.send_at(sent, can::data_frame(0x703, {0x05}));
+  std::vector<double> shares;
+  for (const Time second : {Time(1s), Time(2s)}) {
+    timeline.run_until(second - 1ns);
+    shares.push_back(bus.load(second - 1ns).now);
+    timeline.run_until(second);
+    shares.insert(shares.end(), {bus.load(second).now, bus.load(second).peak});
+  }
+  waveform.reset();
+  if (how == Watch::bits) bus.remove_observer(static_cast<WireObserver&>(bits));
+  return shares;
+}
+
+TEST(WatchedBus, AFrameAcrossTheSecond_IsOfBothWhoeverWatches) {
+  for (int bit = -70; bit <= 2; ++bit) {
+    const Time sent = Time(1s) + bit * 2us;
+    // The boot-up is none of it. 703#05 takes 55 bits and the 3 of the intermission.
+    const double first = std::clamp(-bit, 0, 58) * 2e-6;
+    const double second = 58 * 2e-6 - first;
+    const auto alone = loads(sent, {}, Watch::nobody);
+    EXPECT_THAT(alone, testing::Pointwise(testing::DoubleNear(1e-12),
+                                          {0.0, first, first, first, second, std::max(first, second)}))
+        << bit;
+    EXPECT_EQ(alone, loads(sent, {}, Watch::waveform)) << bit;
+    EXPECT_EQ(alone, loads(sent, {}, Watch::bits)) << bit;
+    const auto faulty = loads(sent, {twenty_bad_bits}, Watch::nobody);
+    EXPECT_EQ(faulty, loads(sent, {twenty_bad_bits}, Watch::waveform)) << bit;
+    EXPECT_EQ(faulty, loads(sent, {twenty_bad_bits}, Watch::bits)) << bit;
+  }
 }
 
 }  // namespace

@@ -144,7 +144,9 @@ void Bus::set_line(const Line& line) {
   impl_->far.after_change();
 }
 
-BusLoad Bus::load(can::Time now) const { return impl_->core.statistics.load(now); }
+BusLoad Bus::load(can::Time now) const {
+  return impl_->core.statistics.load(now, {impl_->near.busy_since(), impl_->far.busy_since()});
+}
 std::uint64_t Bus::frames_of(std::uint32_t identifier, bool extended) const {
   return impl_->core.statistics.frames_of(identifier, extended);
 }

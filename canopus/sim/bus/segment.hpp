@@ -38,6 +38,11 @@ class Segment {
     return state_ == State::frame || state_ == State::lone_frame || active_ ||
            free_from_ > core_.timeline.now();
   }
+  /// Since when the wire is busy with what the statistics have not counted yet; can::never: there is nothing.
+  [[nodiscard]] can::Time busy_since() const noexcept {
+    if (state_ == State::bits) return active_ ? activity_start_ : can::never;
+    return state_ == State::idle ? can::never : start_;
+  }
   /// What the port offers is going to change, without before_change(): a frame on the wire that comes to be
   /// replayed has to know what it was.
   void keep_offer(BusPort& port) noexcept {
