@@ -23,11 +23,12 @@ struct Wish {
 
 class TraceDeskTest : public testing::Test {
  protected:
-  void start(std::size_t most = 1'000'000) {
+  void start(std::size_t most = 1'000'000, std::size_t most_bytes = 64U << 20) {
     desk_.emplace(TraceDesk::Use{.names = {},
                                  .buses = {"line1", "line2"},
                                  .bit_rates = {500'000, 125'000},
                                  .most = most,
+                                 .most_bytes = most_bytes,
                                  .has_time = [this] { return turns_-- > 0; }});
   }
   void frame(can::Duration at, std::uint32_t identifier, std::initializer_list<std::uint8_t> bytes,
@@ -222,6 +223,56 @@ TEST_F(TraceDeskTest, OldQueries_EndWithMoreOfThem_AndCanBeginAgain) {
   for (const char* filter : {"", "node=3", "node=4", "id=703", "service=nmt", "heartbeat"})
     look({{"filter", filter}});
   EXPECT_EQ(numbers({{"filter", ""}}).size(), 10U);
+}
+
+TEST_F(TraceDeskTest, LinesOfAllFilters_HaveABound_AndTheNewestAreThere) {
+  constexpr std::size_t most_bytes = 1U << 20;
+  start(1'000'000, most_bytes);
+  heartbeats(100'000);
+  for (const char* filter : {"", "node=3", "id=703", "heartbeat"}) {
+    const Json answer = look({{"filter", filter}, {"count", 1}});
+    EXPECT_FALSE(answer.contains("progress"));
+    EXPECT_LE(desk_->bytes(), most_bytes) << filter;
+    EXPECT_GT(desk_->bytes(), most_bytes / 2) << filter;
+    EXPECT_EQ(answer["end"], 100'000);
+    EXPECT_GT(answer["first"].get<unsigned>(), 0U) << "the oldest lines have gone";
+    EXPECT_EQ(answer["rows"][0]["record"], 99'999);
+  }
+}
+
+TEST_F(TraceDeskTest, AMillionFrames_AreShownWhole) {
+  start();
+  heartbeats(1'000'000);
+  EXPECT_EQ(look({{"filter", ""}, {"count", 1}})["first"], 0);
+}
+
+TEST_F(TraceDeskTest, AFilterThatIsNotLookedAt_IsNotKept) {
+  start(5'000);
+  heartbeats(5'000);
+  (void)look({{"filter", "heartbeat"}});
+  const std::size_t of_one = desk_->bytes();
+  EXPECT_GT(of_one, 5'000U * 32);
+  for (std::size_t i = 0; i <= TraceDesk::most_unasked; ++i) (void)look({{"filter", "node=9"}});
+  EXPECT_EQ(desk_->bytes(), 0U) << "others are looked at";
+  (void)look({{"filter", "heartbeat"}});
+  EXPECT_EQ(desk_->bytes(), of_one);
+  heartbeats(20'000);
+  EXPECT_EQ(desk_->bytes(), 0U) << "all its frames have gone";
+}
+
+TEST_F(TraceDeskTest, WhatDistinctObjectsAreCalled_GoesWithTheirLines) {
+  start(5'000);
+  std::size_t after_some = 0;
+  for (unsigned i = 0; i < 100'000; ++i) {
+    const auto low = static_cast<std::uint8_t>(i);
+    const auto high = static_cast<std::uint8_t>(i >> 8);
+    frame(i * 2ms, 0x604, {0x40, low, high, 0x00, 0, 0, 0, 0});
+    frame(i * 2ms + 1ms, 0x584, {0x43, low, high, 0x00, 0, 0, 0, 0});
+    if (i % 2'000 != 1'999) continue;
+    (void)look({{"filter", ""}});
+    if (i < 20'000) after_some = std::max(after_some, desk_->bytes());
+  }
+  EXPECT_LE(desk_->bytes(), after_some);
 }
 
 TEST_F(TraceDeskTest, Statistics_AreThoseOfTheAnalyser) {

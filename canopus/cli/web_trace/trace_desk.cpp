@@ -39,6 +39,26 @@ TraceDesk::TraceDesk(Use use) : use_(std::move(use)), store_(use_.most) {}
 
 void TraceDesk::add(std::span<const TraceRecord> records) {
   for (const TraceRecord& record : records) store_.add(record);
+  // Of such a one nobody has looked at anything that is still there.
+  std::erase_if(queries_, [&](const Query& one) { return one.rows->next_record() < store_.begin(); });
+}
+
+std::size_t TraceDesk::bytes() const noexcept {
+  std::size_t all = 0;
+  for (const Query& one : queries_) all += one.rows->bytes();
+  return all;
+}
+
+void TraceDesk::forget_unasked() {
+  while (queries_.back().asked + most_unasked < looks_) queries_.pop_back();
+}
+
+void TraceDesk::keep_within_bytes() {
+  while (queries_.size() > 1 && bytes() > use_.most_bytes) queries_.pop_back();
+  for (std::size_t before = 0; bytes() > use_.most_bytes && bytes() != before;) {
+    before = bytes();
+    queries_.front().rows->forget_oldest();
+  }
 }
 
 TraceDesk::Answer TraceDesk::look(const text::Json& wish) {
@@ -66,10 +86,13 @@ TraceDesk::Answer TraceDesk::look_at_rows(const text::Json& wish) {
   const bool folded = !wish.contains("fold") || wish["fold"] != false;
   const auto found = query(text_of(wish, "filter"), folded);
   if (!found) return std::unexpected(found.error());
+  (*found)->asked = ++looks_;
+  forget_unasked();
   Json event{{"records", store_.end() - store_.begin()}, {"forgotten", store_.begin()}};
   TraceRows& rows = *(*found)->rows;
   do {
     rows.work(store_, slice);
+    keep_within_bytes();
   } while (rows.next_record() < store_.end() && use_.has_time());
   const std::uint64_t all = store_.end() - store_.begin();
   const std::uint64_t left = store_.end() - rows.next_record();

@@ -28,6 +28,7 @@ class TraceDesk {
   static constexpr std::size_t most_frames = 256;  ///< of a transfer that is opened
   static constexpr std::size_t most_queries =
       4;  ///< filters that are kept decoded; another one ends the oldest
+  static constexpr std::size_t most_unasked = 256;    ///< looks at other filters, until one is kept no more
   static constexpr std::size_t part_frames = 16'384;  ///< that an export looks at at once
   static constexpr std::size_t slice = 2000;  ///< frames that are decoded before the clock is looked at
   using Json = text::Json;
@@ -37,12 +38,18 @@ class TraceDesk {
     std::vector<std::string> buses{};        ///< names, by channel
     std::vector<std::uint32_t> bit_rates{};  ///< of the same, bit/s
     std::size_t most = 1'000'000;            ///< frames that are kept
+    /// Of the lines of all filters: then the filter goes that was looked at least lately, and of the last one the oldest lines. A
+    /// million lines of a common trace have room.
+    std::size_t most_bytes = 64U << 20;
     /// Called now and then in long work: false once it has taken long enough.
     std::function<bool()> has_time = [] { return true; };
   };
   explicit TraceDesk(Use use);
 
   void add(std::span<const trace::TraceRecord> records);
+
+  /// Of Use::most_bytes, those in use.
+  [[nodiscard]] std::size_t bytes() const noexcept;
 
   using Answer = std::expected<Json, std::string>;  ///< the error is a sentence
   /// One of
@@ -61,6 +68,7 @@ class TraceDesk {
     std::string filter{};
     bool folded = true;
     std::unique_ptr<TraceRows> rows{};
+    std::uint64_t asked = 0;  // number of the look
   };
   struct Export {
     FilterExpression filter{};
@@ -72,6 +80,8 @@ class TraceDesk {
     std::uint64_t end = 0;
   };
   [[nodiscard]] std::expected<Query*, std::string> query(const std::string& filter, bool folded);
+  void forget_unasked();
+  void keep_within_bytes();
   [[nodiscard]] Answer look_at_rows(const text::Json& wish);
   [[nodiscard]] Json look_at_frames(std::uint64_t last);
   [[nodiscard]] Json look_at_statistics();
@@ -79,6 +89,7 @@ class TraceDesk {
   Use use_;
   TraceStore store_;
   std::deque<Query> queries_;  // the one that was looked at last in front
+  std::uint64_t looks_ = 0;    // at lines
   std::optional<trace::Statistics> statistics_;
   std::unique_ptr<trace::Decoder> statistics_decoder_;
   std::uint64_t counted_ = 0;

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 #include <deque>
-#include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -24,6 +24,10 @@ class TraceRows {
 
   /// Decodes up to `count` frames more. What the store has forgotten is forgotten here, too.
   void work(const TraceStore& store, std::size_t count);
+  /// The oldest lines go, some thousand; none of those that came last.
+  void forget_oldest();
+  /// That the lines take, about.
+  [[nodiscard]] std::size_t bytes() const noexcept { return bytes_ + bytes_of_last_; }
   /// The frame that is decoded next.
   [[nodiscard]] std::uint64_t next_record() const noexcept { return next_; }
 
@@ -47,28 +51,40 @@ class TraceRows {
   struct Row {
     std::uint64_t record = 0;
     const Head* head = nullptr;
-    std::uint32_t text = 0;    // of the block's
-    std::uint32_t frames = 0;  // of a transfer
-    can::Duration duration{};
     can::Time time{};
-    std::uint32_t identifier = 0;
-    bool is_extended = false;
-    bool is_trouble = false;
+    std::uint32_t text = 0;  // of the block's
+    std::uint32_t identifier : 29 = 0;
+    std::uint32_t is_extended : 1 = 0;
+    std::uint32_t is_trouble : 1 = 0;
+    std::uint32_t is_transfer : 1 = 0;
+  };
+  static_assert(sizeof(Row) == 32);
+  struct Transfer {
+    std::uint32_t place = 0;  // of its row
+    std::uint32_t frames = 0;
+    can::Duration duration{};
   };
   struct Block {
     std::vector<Row> rows{};
+    std::vector<Transfer> transfers{};
     std::string texts{};
+    std::set<Head> heads{};
+    std::size_t head_bytes = 0;
+
+    [[nodiscard]] std::size_t bytes() const noexcept;
   };
   static constexpr std::size_t block = 4096;
 
+  [[nodiscard]] Block& block_for_next();
   void take(const trace::Message& message, std::uint64_t record);
   void forget(std::uint64_t first_record);
 
   std::vector<std::string> buses_;
   FilterExpression filter_;
   trace::Decoder decoder_;
-  std::map<Head, char> heads_;  // a node of it stays where it is
-  std::deque<Block> blocks_;    // all but the last are full
+  std::deque<Block> blocks_;       // all but the last are full
+  std::size_t bytes_ = 0;          // of all blocks but the last ...
+  std::size_t bytes_of_last_ = 0;  // ... and of that
   std::uint64_t begin_ = 0;
   std::uint64_t end_ = 0;
   std::uint64_t next_ = 0;
