@@ -19,7 +19,7 @@ using WebTime = std::chrono::steady_clock;
 namespace {
 
 /// "/events?key=0123..."; an empty key everybody knows.
-bool knows_key(std::string_view target, std::string_view key) {
+bool holds_key(std::string_view target, std::string_view key) {
   if (key.empty()) return true;
   constexpr std::string_view field = "?key=";
   const std::size_t begin = target.find(field);
@@ -186,10 +186,12 @@ void WebServer::Connection::upgrade() {
   const WebServerOptions& options = parts_->options;
   const std::string_view target(request_->target().data(), request_->target().size());
   if (session_) user_.name = session_->user.name;
-  knows_key_ = knows_key(target, session_ ? session_->key : options.key);
+  knows_key_ = holds_key(target, session_ ? session_->key : options.key);
   if (knows_key_) user_.role = session_ ? session_->user.role : options.role;
-  if (!session_ && !knows_key_ && !parts_->has_room_for_watcher(network())) {
-    return answer({.status = 503, .body = "too many watch without the key of the page\n"});
+  if (!parts_->has_room_for_watcher(*this)) {
+    return answer({.status = 503,
+                   .body = session_ ? "this user watches too many pages; close one of them\n"
+                                    : "too many watch without the key of the page\n"});
   }
   state_ = State::upgrades;
   stream_.next_layer().set_most_frames(options.most_messages);

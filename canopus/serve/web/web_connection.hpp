@@ -34,9 +34,10 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   [[nodiscard]] bool watches() const noexcept { return state_ == State::watches; }
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] link::InternetAddress network() const noexcept { return network_of(address_); }
-  [[nodiscard]] bool watches_without_key() const noexcept {
-    return (watches() || state_ == State::upgrades) && !session_ && !knows_key_;
-  }
+  [[nodiscard]] bool has_place_of_watcher() const noexcept { return watches() || state_ == State::upgrades; }
+  /// Who has logged in; nullptr: nobody.
+  [[nodiscard]] const std::string* user() const noexcept { return session_ ? &session_->user.name : nullptr; }
+  [[nodiscard]] bool knows_key() const noexcept { return knows_key_; }
   /// The oldest give way first.
   [[nodiscard]] link::HeldPlace place() const noexcept { return {.hold = hold(), .used = began_}; }
   /// Of what is on its way to the client, and of replies.

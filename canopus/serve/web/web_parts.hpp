@@ -36,8 +36,8 @@ struct WebServer::Parts : std::enable_shared_from_this<Parts> {
         timer(io) {}
 
   void admit(boost::asio::ip::tcp::socket socket);
-  /// A further watcher without key and session, of this network, has a place.
-  [[nodiscard]] bool has_room_for_watcher(const link::InternetAddress& network) const;
+  /// It is not one of too many watchers: of its user, or without key and session of its network.
+  [[nodiscard]] bool has_room_for_watcher(const Connection& newcomer) const;
   /// No more waits for all clients together than may.
   void limit_waiting();
   void remove(const Connection& connection);

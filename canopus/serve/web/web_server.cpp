@@ -42,11 +42,16 @@ void WebServer::Parts::remove(const Connection& connection) {
   std::erase_if(connections, [&](const auto& other) { return other.get() == &connection; });
 }
 
-bool WebServer::Parts::has_room_for_watcher(const link::InternetAddress& network) const {
-  const auto is_one = [&](const auto& one) {
-    return one->watches_without_key() && one->network() == network;
+bool WebServer::Parts::has_room_for_watcher(const Connection& newcomer) const {
+  if (newcomer.user() == nullptr && newcomer.knows_key()) return true;
+  const auto counts = [&](const auto& one) {
+    if (!one->has_place_of_watcher()) return false;
+    if (newcomer.user() != nullptr) return one->user() != nullptr && *one->user() == *newcomer.user();
+    return one->user() == nullptr && !one->knows_key() && one->network() == newcomer.network();
   };
-  return std::cmp_less(std::ranges::count_if(connections, is_one), options.most_watchers_of_address);
+  const std::size_t most =
+      newcomer.user() != nullptr ? options.most_watchers_of_user : options.most_watchers_of_address;
+  return std::cmp_less(std::ranges::count_if(connections, counts), most);
 }
 
 void WebServer::Parts::limit_waiting() {

@@ -33,6 +33,8 @@ struct WebServerOptions {
   /// watchers (a further one is refused).
   std::size_t most_requests_of_address = 32;
   std::size_t most_watchers_of_address = 50;
+  /// Watchers of one user, from whatever addresses (a further one is refused): others find a place all the same.
+  std::size_t most_watchers_of_user = 16;
   /// From the connection to the end of the request's head.
   std::chrono::milliseconds head_timeout{5000};
   /// For an answer or a message that the client does not take.

@@ -276,7 +276,8 @@ class WebServerWithUsers : public WebServerTest {
   void start_with_users(WebServerOptions options = {}) {
     options.gate.read_users = [] {
       static const std::string hash = *hash_of("correct horse");
-      return std::vector<WebAccount>{{.name = "anna", .role = WebRole::operate, .hash = hash}};
+      return std::vector<WebAccount>{{.name = "anna", .role = WebRole::operate, .hash = hash},
+                                     {.name = "bert", .role = WebRole::look, .hash = hash}};
     };
     start(options);
   }
@@ -291,8 +292,8 @@ class WebServerWithUsers : public WebServerTest {
     return "Content-Type: application/x-www-form-urlencoded\r\nContent-Length: " +
            std::to_string(body.size()) + "\r\n";
   }
-  std::string log_in(const std::string& password) {
-    const std::string answer = ask("POST /login", "name=anna&password=" + password);
+  std::string log_in(const std::string& password, const std::string& name = "anna") {
+    const std::string answer = ask("POST /login", "name=" + name + "&password=" + password);
     const std::size_t begin = answer.find("Set-Cookie: ");
     if (begin != std::string::npos)
       cookie_ = "Cookie: " + answer.substr(begin + 12, answer.find(';', begin) - begin - 12) + "\r\n";
@@ -341,6 +342,25 @@ TEST_F(WebServerWithUsers, ACommandIsThatOfTheUser_ForWhoHasTheKeyOfTheSession) 
     for (int i = 0; i < 100 && who_.empty(); ++i) context_.run_one_for(10ms);
     EXPECT_THAT(who_, ElementsAre("anna " + role)) << target;
   }
+}
+
+TEST_F(WebServerWithUsers, AUserWithManyPages_LeavesPlacesToOthers) {
+  start_with_users({.maximum_clients = 3, .most_watchers_of_user = 2});
+  log_in("correct+horse");
+  std::vector<tcp::socket> pages;
+  for (int i = 0; i < 2; ++i) {
+    pages.push_back(watch_with("/events?key=" + key()));
+    EXPECT_THAT(receive(pages.back(), "}]"), StartsWith("HTTP/1.1 101 "));
+  }
+  auto third = watch_with("/events?key=" + key());
+  EXPECT_THAT(receive(third, "pages"),
+              AllOf(StartsWith("HTTP/1.1 503 "), HasSubstr("this user watches too many pages")));
+  third.close();
+  cookie_.clear();
+  log_in("correct+horse", "bert");
+  auto other = watch_with("/events");
+  EXPECT_THAT(receive(other, "}]"), StartsWith("HTTP/1.1 101 "));
+  for (tcp::socket& page : pages) EXPECT_THAT(receive(page, "}]"), Not(HasSubstr("closed")));
 }
 
 TEST_F(WebServerWithUsers, AWebSocketEndsWithItsSession) {
