@@ -105,6 +105,50 @@ TEST_F(ParentProcessTest, ASignalForTheProcess_ComesToWhatRuns) {
   EXPECT_EQ(WEXITSTATUS(status), 7);
 }
 
+/// Where this process makes temporary folders, meanwhile.
+class OwnTemporaryFolder {
+ public:
+  explicit OwnTemporaryFolder(fs::path folder) : folder_(std::move(folder)) {
+    fs::create_directory(folder_);
+    ::setenv("TMPDIR", folder_.c_str(), 1);
+  }
+  ~OwnTemporaryFolder() {
+    ::unsetenv("TMPDIR");
+    if (!before_.empty()) ::setenv("TMPDIR", before_.c_str(), 1);
+  }
+  OwnTemporaryFolder(const OwnTemporaryFolder&) = delete;
+  OwnTemporaryFolder& operator=(const OwnTemporaryFolder&) = delete;
+
+ private:
+  fs::path folder_;
+  std::string before_ = ::getenv("TMPDIR") == nullptr ? "" : ::getenv("TMPDIR");
+};
+
+TEST_F(ParentProcessTest, AFolderOfAProcessThatWasKilledBeforeItStartedOne_GoesWithTheNextStart) {
+  const fs::path place = folder_ / "temporary";
+  const OwnTemporaryFolder temporary(place);
+  const pid_t killed = ::fork();
+  if (killed == 0) {
+    const fs::path left = ChildProcess::make_folder();
+    std::ofstream(left / "file") << "data";
+    std::raise(SIGKILL);
+  }
+  ::waitpid(killed, nullptr, 0);
+  ASSERT_EQ(std::distance(fs::directory_iterator(place), {}), 1);
+  const fs::path left = fs::directory_iterator(place)->path();
+  const fs::path own = ChildProcess::make_folder();
+  const std::string name = left.filename().string();
+  const fs::path link = place / (name.substr(0, name.size() - 6) + "linked");
+  fs::create_directory_symlink(own, link);
+  const fs::path longer = place / (name + "x");
+  const fs::path others = place / "canopus-notes";
+  fs::create_directory(longer);
+  fs::create_directory(others);
+  ChildProcess::remove_left_folders();
+  EXPECT_FALSE(fs::exists(left));
+  for (const fs::path& stays : {own, link, longer, others}) EXPECT_TRUE(fs::exists(stays)) << stays;
+}
+
 TEST_F(ParentProcessTest, AFolderThatIsNotOfThisProgram_IsLeftAlone) {
   const fs::path other = folder_ / "other";
   fs::create_directory(other);

@@ -1,5 +1,7 @@
 #include "canopus/cli/web/child_process.hpp"
 
+#include <cerrno>
+#include <charconv>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -11,6 +13,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -53,6 +56,29 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
   return pointers;
 }
 
+/// A process ID says which process it is within its namespace alone, and several may share a folder for temporary files.
+std::string folders_of_namespace() {
+  struct stat status {};
+  const bool is_known = ::stat("/proc/self/ns/pid", &status) == 0;
+  return fmt::format("{}{}-", child_folder_prefix, is_known ? status.st_ino : 0);
+}
+
+/// A folder of make_folder(), of this user, whose process is there no more.
+bool is_left_folder(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  const std::string prefix = folders_of_namespace();
+  constexpr std::size_t dice = 7;  // "-XXXXXX"
+  if (!name.starts_with(prefix) || name.size() <= prefix.size() + dice) return false;
+  const char* const begin = name.data() + prefix.size();
+  const char* const end = name.data() + name.size() - dice;
+  pid_t process = 0;
+  const auto [rest, wrong] = std::from_chars(begin, end, process);
+  if (wrong != std::errc() || rest != end || *end != '-' || process <= 0) return false;
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) != 0 || !S_ISDIR(status.st_mode)) return false;
+  return status.st_uid == ::geteuid() && ::kill(process, 0) != 0 && errno == ESRCH;
+}
+
 std::string sentence(int error) {
   return fmt::format("a command cannot be started: {}", std::generic_category().message(error));
 }
@@ -61,9 +87,21 @@ std::string sentence(int error) {
 
 std::filesystem::path ChildProcess::make_folder() {
   std::error_code error;
-  const std::string pattern = std::string(child_folder_prefix) + "XXXXXX";
-  std::string name = (std::filesystem::temp_directory_path(error) / pattern).string();
-  return error || ::mkdtemp(name.data()) == nullptr ? std::filesystem::path() : std::filesystem::path(name);
+  const std::string name = fmt::format("{}{}-XXXXXX", folders_of_namespace(), ::getpid());
+  std::string path = (std::filesystem::temp_directory_path(error) / name).string();
+  return error || ::mkdtemp(path.data()) == nullptr ? std::filesystem::path() : std::filesystem::path(path);
+}
+
+void ChildProcess::remove_left_folders() {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path place = fs::temp_directory_path(error);
+  if (error) return;
+  for (fs::directory_iterator one(place, error), end; !error && one != end; one.increment(error)) {
+    if (!is_left_folder(one->path())) continue;
+    std::error_code ignored;
+    fs::remove_all(one->path(), ignored);
+  }
 }
 
 std::expected<std::shared_ptr<ChildProcess>, std::string> ChildProcess::start(

@@ -35,6 +35,9 @@ class ChildProcess : public std::enable_shared_from_this<ChildProcess> {
 
   /// A folder for files of a process, that only this user can look into; empty: there is none to be had.
   [[nodiscard]] static std::filesystem::path make_folder();
+  /// Removes those that make_folder() made in processes of this user that have ended: killed at the moment before they started one
+  /// that would have removed it.
+  static void remove_left_folders();
   /// The program that runs now.
   static constexpr const char* itself = "/proc/self/exe";
   /// The process ends with this one (parent_process.hpp). Calls `use` from the loop's thread. `program`: a path; `arguments`: those behind its name. The error is a sentence.

@@ -75,7 +75,9 @@ class WebCommands {
   };
 
   WebCommands(boost::asio::io_context& io, Use use)
-      : io_(io), use_(std::move(use)), batch_(io), patience_(io) {}
+      : io_(io), use_(std::move(use)), batch_(io), patience_(io) {
+    ChildProcess::remove_left_folders();
+  }
   ~WebCommands();
   WebCommands(const WebCommands&) = delete;
   WebCommands& operator=(const WebCommands&) = delete;

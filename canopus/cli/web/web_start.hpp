@@ -37,7 +37,9 @@ class WebStart {
   /// those of the pages that are opened, too.
   WebStart(boost::asio::io_context& io, std::filesystem::path folder,
            std::string program = ChildProcess::itself, WebAccess access = {})
-      : io_(io), folder_(std::move(folder)), program_(std::move(program)), access_(std::move(access)) {}
+      : io_(io), folder_(std::move(folder)), program_(std::move(program)), access_(std::move(access)) {
+    ChildProcess::remove_left_folders();
+  }
   ~WebStart();
   WebStart(const WebStart&) = delete;
   WebStart& operator=(const WebStart&) = delete;
