@@ -231,6 +231,13 @@ std::expected<bool, std::string> ChangeSets::look() {
   return true;
 }
 
+std::string ChangeSets::unfinished_change(std::string_view journal) {
+  return std::string(journal) +
+         ": a change is not finished (a power cut, or another command at work); this is the project before "
+         "it, and "
+         "the next command that changes the project finishes it first";
+}
+
 void ChangeSets::drop_oldest(std::vector<Record>& records) {
   std::size_t bytes = 0;
   std::size_t kept = 0;

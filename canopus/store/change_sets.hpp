@@ -43,6 +43,8 @@ class ChangeSets {
   /// For readers, in place of recover(): writes nothing; from then on read() gives what the files were before a
   /// change that is not finished. False when there is none.
   [[nodiscard]] std::expected<bool, std::string> look();
+  /// What people should know when there is one; `journal`: as they know its path.
+  [[nodiscard]] static std::string unfinished_change(std::string_view journal);
   /// A file as it stands; nothing: it is not there.
   [[nodiscard]] std::expected<std::optional<std::string>, std::string> read(const std::string& name);
   /// Gives the files these contents, making folders as needed. Those that have theirs already are not touched, and nothing

@@ -38,11 +38,7 @@ std::expected<ProjectFolder, std::string> ProjectFolder::open(const std::string&
 
 std::optional<std::string> ProjectFolder::unfinished() const {
   if (!is_unfinished_) return std::nullopt;
-  return fmt::format(
-      "{}: a change is not finished (a power cut, or another command at work); this is the project before "
-      "it, and the "
-      "next command that changes the project finishes it first",
-      shown_path(".canopus/journal"));
+  return store::ChangeSets::unfinished_change(shown_path(".canopus/journal"));
 }
 
 project::ReadFile ProjectFolder::reader() {

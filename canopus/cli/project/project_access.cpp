@@ -40,10 +40,15 @@ int with_module(const ConfigureArguments& arguments, const project::ModuleProjec
   });
 }
 
+std::expected<project::ModuleProject, std::string> look_at_project(const ConfigureArguments& arguments) {
+  return look_at_project(arguments.file,
+                         [](const std::string& sentence) { print_error("canopus configure: {}", sentence); });
+}
+
 int with_told_module(const ConfigureArguments& arguments,
                      const std::function<int(client::PlcClient&, client::PlcModule&)>& action) {
   if (arguments.file.empty()) return with_module(arguments, nullptr, action);
-  const auto project = load_project(arguments.file);
+  const auto project = look_at_project(arguments);
   return project ? with_module(arguments, &*project, action)
                  : configure_failed(configure_code::usage, project.error());
 }
@@ -51,7 +56,7 @@ int with_told_module(const ConfigureArguments& arguments,
 int with_project(const ConfigureArguments& arguments,
                  const std::function<int(project::ModuleProject&, client::PlcClient&, client::PlcModule&,
                                          project::PdoRange)>& action) {
-  auto project = load_project(arguments.file);
+  auto project = look_at_project(arguments);
   if (!project) return configure_failed(configure_code::usage, project.error());
   const auto area = parse_area(arguments.pdos, project->window("tpdo")->most_key);
   if (!area) return configure_failed(configure_code::usage, "--pdos: " + area.error());

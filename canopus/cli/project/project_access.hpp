@@ -1,13 +1,19 @@
 #pragma once
 // The way from a command to the module of a project: connects to the PLC, waits for the module's start.
 
+#include <expected>
 #include <functional>
+#include <string>
 
 #include "canopus/cli/project/configure_command.hpp"
 #include "canopus/client/plc_module.hpp"
 #include "canopus/project/module_project.hpp"
 
 namespace canopus::cli {
+
+/// The project of the command line, for a command that does not change it; warns of a change that is not finished.
+[[nodiscard]] std::expected<project::ModuleProject, std::string> look_at_project(
+    const ConfigureArguments& arguments);
 
 /// Runs an action on the module of the command line, else the project's, else the first one. `project`: nullptr: there is
 /// none; then --model says what the module is, or the PLC's type. Returns the exit code.

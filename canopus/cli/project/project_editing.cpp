@@ -160,7 +160,7 @@ int new_project(const ConfigureArguments& arguments) {
 }
 
 int show_project(const ConfigureArguments& arguments) {
-  const auto project = load_project(arguments.file);
+  const auto project = look_at_project(arguments);
   if (!project) return configure_failed(configure_code::usage, project.error());
   remember_project(arguments.file);
   for (const Window& window : project->tool().windows) {
@@ -226,7 +226,7 @@ int restore_in_project(const ConfigureArguments& arguments) {
 }
 
 int check_project(const ConfigureArguments& arguments) {
-  const auto project = load_project(arguments.file);
+  const auto project = look_at_project(arguments);
   if (!project) return configure_failed(configure_code::usage, project.error());
   unsigned errors = 0, warnings = 0;
   for (const project::ProjectFinding& finding : project->check()) {
@@ -250,7 +250,7 @@ int check_project(const ConfigureArguments& arguments) {
 }
 
 int export_project(const ConfigureArguments& arguments) {
-  const auto project = load_project(arguments.file);
+  const auto project = look_at_project(arguments);
   if (!project) return configure_failed(configure_code::usage, project.error());
   if (!arguments.other_file.ends_with(".xml")) {
     return configure_failed(configure_code::usage,

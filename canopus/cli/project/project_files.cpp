@@ -26,6 +26,13 @@ std::expected<std::string, std::string> read_text(const std::string& path) {
   return std::string(bytes->begin(), bytes->end());
 }
 
+std::expected<project::ModuleProject, std::string> read_project(const std::string& path,
+                                                                const std::string& text) {
+  auto project = project::from_xml(text, plant::configuration_tools());
+  if (!project) return std::unexpected(fmt::format("{}:{}", path, project.error()));
+  return project;
+}
+
 /// The folder of the changes of a file, below its own.
 fs::path records_of(const fs::path& path) { return fs::path(".canopus") / "settings" / path.filename(); }
 
@@ -42,10 +49,20 @@ fs::path list_path() {
 
 std::expected<project::ModuleProject, std::string> load_project(const std::string& path) {
   const auto text = read_text(path);
+  return text ? read_project(path, *text) : std::unexpected(text.error());
+}
+
+std::expected<project::ModuleProject, std::string> look_at_project(
+    const std::string& path, const std::function<void(const std::string&)>& unfinished) {
+  store::ChangeSets changes(folder_of(path), store::real_files(), records_of(path));
+  const auto is_unfinished = changes.look();
+  if (!is_unfinished) return std::unexpected(is_unfinished.error());
+  if (!*is_unfinished) return load_project(path);
+  const auto text = changes.read(fs::path(path).filename().string());
   if (!text) return std::unexpected(text.error());
-  auto project = project::from_xml(*text, plant::configuration_tools());
-  if (!project) return std::unexpected(fmt::format("{}:{}", path, project.error()));
-  return project;
+  if (!*text) return std::unexpected(fmt::format("{}: {}", path, store::describe_error(ENOENT)));
+  unfinished(store::ChangeSets::unfinished_change((folder_of(path) / records_of(path) / "journal").string()));
+  return read_project(path, **text);
 }
 
 std::string save_project(const std::string& path, const project::ModuleProject& project) {

@@ -2,6 +2,7 @@
 // Projects of modules on the disk: read and written whole, and the list of the last ten.
 
 #include <expected>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,6 +17,10 @@ namespace canopus::cli {
 
 /// The project, or why it cannot be read, with file and line.
 [[nodiscard]] std::expected<project::ModuleProject, std::string> load_project(const std::string& path);
+/// The same, for a command that only looks. `unfinished`: called with a sentence when a power cut, or another command at work, has
+/// left a change half done; the project is then the one before it.
+[[nodiscard]] std::expected<project::ModuleProject, std::string> look_at_project(
+    const std::string& path, const std::function<void(const std::string&)>& unfinished);
 /// A file that nobody changes later, a new project or a backup: takes its place in one step; after a failure the old one is
 /// there, whole. Empty: done.
 [[nodiscard]] std::string save_project(const std::string& path, const project::ModuleProject& project);
