@@ -178,6 +178,34 @@ TEST_F(LookingAtProjects, AJournalOfAPowerCut_IsWarnedOf_AndTheProjectBeforeItIs
   EXPECT_EQ(shown.error, "");
 }
 
+TEST_F(LookingAtProjects, SettingsWithAJournalOfAPowerCut_AreShownAsBefore_WithAWarning) {
+  const std::string file = (top / "module.xml").string();
+  ASSERT_EQ(said({"configure", "new", file, "--model", "FX3U-CAN"}).code, 0);
+  const std::string old = slurp(file);
+  ASSERT_EQ(said({"configure", "set", file, "basic", "Node ID=77"}).code, 0);
+  const std::string changed = slurp(file);
+  ASSERT_NE(changed, old);
+  const fs::path records = top / ".canopus" / "settings" / "module.xml";
+  write(records / "journal", file_of(one_file("module.xml", changed) + number(1, 4) + counted("a change") +
+                                     one_file("module.xml", old) + '\1' + number(checksum(changed), 4)));
+  write(file, old);
+  const std::string shown_before = said({"configure", "show", file}).out;
+  for (const std::string& on_disk : {old, changed}) {  // not begun, and done but for the journal
+    write(file, on_disk);
+    const auto before = listing(top);
+    for (const char* command : {"show", "check"}) {
+      const Said shown = said({"configure", command, file});
+      EXPECT_EQ(shown.error,
+                "canopus configure: " + (records / "journal").string() +
+                    ": a change is not finished (a power cut, or another command at work); this is the "
+                    "project before it, and the next command that changes the project finishes it "
+                    "first\n");
+    }
+    EXPECT_EQ(said({"configure", "show", file}).out, shown_before);
+    EXPECT_EQ(listing(top), before);
+  }
+}
+
 TEST_F(LookingAtProjects, AProjectThatIsAboutToBeMade_IsMadeByTheNextCommand) {
   const std::string whole = slurp(list);
   write(journal(), file_of(one_file("nodelist.cpj", whole) + number(1, 4) + counted("new") + number(1, 4) +
