@@ -8,7 +8,7 @@ RUN tools/install-packages build && cmake --preset release -DCANOPUS_TESTS=OFF &
     && cmake --install build --prefix /usr --component program
 
 FROM debian:12-slim
-RUN apt-get update && apt-get install -y --no-install-recommends libfmt9 libtomlplusplus3 libpugixml1v5 libsystemd0 liburing2 zlib1g \
+RUN apt-get update && apt-get install -y --no-install-recommends libfmt9 libtomlplusplus3 libpugixml1v5 libsystemd0 zlib1g \
     && rm -rf /var/lib/apt/lists/* && useradd --create-home canopus
 COPY --from=build /usr/bin/canopus /usr/bin/canopus
 COPY --from=build /usr/share/doc/canopus/examples /usr/share/doc/canopus/examples

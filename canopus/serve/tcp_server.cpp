@@ -1,22 +1,19 @@
 #include "canopus/serve/tcp_server.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <ctime>
 #include <utility>
 #include <vector>
 
+#include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
 #include "canopus/link/tcp/connection_places.hpp"
-#include "canopus/link/tcp/socket_round.hpp"
 #include "canopus/link/tcp/tcp_port.hpp"
-#include "canopus/link/tcp/watched_socket.hpp"
 #include "canopus/serve/connection_timer.hpp"
 
 namespace canopus::serve {
@@ -35,10 +32,7 @@ struct CoarseClock {
   }
 };
 
-/// Where the end of a stream came together with its last bytes, it is found so late.
-constexpr auto look_again_after = std::chrono::milliseconds(10);
-
-struct TcpServer::Parts : std::enable_shared_from_this<Parts> {
+struct TcpServer::Parts {
   Parts(asio::io_context& io, plc::Rack& the_rack, link::LoopClock& the_clock, std::string the_protocol,
         MakeConversation the_make, TcpServerOptions the_options, link::ClientReport the_report)
       : context(io),
@@ -48,12 +42,9 @@ struct TcpServer::Parts : std::enable_shared_from_this<Parts> {
         make(std::move(the_make)),
         options(std::move(the_options)),
         report(std::move(the_report)),
-        port(io),
-        look_timer(io) {}
+        port(io) {}
 
   void admit(tcp::socket socket);
-  void look_again_soon();
-  void look_again();
   void remove(const Connection& connection);
   void say(const std::string& client, const std::string& what) const {
     if (report) report(client + ' ' + what);
@@ -67,9 +58,6 @@ struct TcpServer::Parts : std::enable_shared_from_this<Parts> {
   TcpServerOptions options;
   link::ClientReport report;
   link::TcpPort port;
-  asio::steady_timer look_timer;  // of connections that may have more to read than anybody tells of
-  bool looks_again = false;
-  std::shared_ptr<link::SocketRound> round = std::make_shared<link::SocketRound>(context);
   std::vector<std::shared_ptr<Connection>> connections;
   std::uint64_t requests = 0;
   std::uint64_t heard = 0;  // messages from clients and connections, so far
@@ -77,28 +65,22 @@ struct TcpServer::Parts : std::enable_shared_from_this<Parts> {
 
 /// One client. Handlers hold it; it forgets the server when the server is gone.
 class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
-                              private plc::EndProcessing::Requests,
-                              private link::WatchedSocket::User,
-                              private link::SocketRound::User {
+                              private plc::EndProcessing::Requests {
  public:
   Connection(Parts& parts, tcp::socket socket, std::string name)
       : parts_(&parts),
+        socket_(std::move(socket)),
         name_(std::move(name)),
         heard_number_(++parts.heard),
         timer_(parts.context),
-        session_(parts.make(link::address_of_peer(socket))),
-        socket_(parts.context, std::move(socket), *this) {}
+        session_(parts.make(link::address_of_peer(socket_))) {}
 
   void start() {
-    if (socket_.native_handle() < 0) return end("cannot be listened to, as the system is out of memory");
+    error_code ignored;
+    socket_.non_blocking(true, ignored);
     set(IPPROTO_TCP, TCP_NODELAY, 1);
     check_alive();
     receive();
-  }
-
-  /// Reads what nobody would tell of.
-  void look_again() {
-    if (parts_ != nullptr && socket_.is_doubtful() && is_receiving_ && !is_sending_) read();
   }
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
@@ -109,79 +91,43 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
   void close() noexcept {
     if (parts_ != nullptr) parts_->rack.end_processing().leave(*this);
     parts_ = nullptr;
-    socket_.close();
+    error_code ignored;
+    socket_.shutdown(tcp::socket::shutdown_both, ignored);
+    socket_.close(ignored);
     timer_.stop();
   }
 
  private:
+  /// Bytes go where the session wants them when they are there: until then the END of a scan may move those before them.
   void receive() {
-    if (is_receiving_ || is_ready_ || is_sending_ || input_ended_ || session_->space().empty()) return;
-    wait_to_read();
-  }
-
-  void wait_to_read() {
-    if (std::exchange(is_receiving_, true)) return;
-    socket_.wait_to_read(shared_from_this());
-  }
-
-  void can_read() override {
-    is_receiving_ = false;
-    if (is_sending_) return;
-    if (parts_->round->goes_alone(*this, parts_->connections.size() == 1)) return read();
-    is_ready_ = true;
-    parts_->round->join({shared_from_this(), this});
+    if (is_receiving_ || is_sending_ || input_ended_ || session_->space().empty()) return;
+    is_receiving_ = true;
+    socket_.async_wait(tcp::socket::wait_read, [self = shared_from_this()](const error_code& error) {
+      self->is_receiving_ = false;
+      if (self->parts_ == nullptr) return;
+      if (error) return self->end_input(error);
+      if (!self->is_sending_) self->read();
+    });
   }
 
   void read() {
     const auto space = session_->space();
     if (space.empty()) return;  // work() makes some, and goes on
-    if (hear(socket_.read(space))) work();
-  }
-
-  /// Bytes go where the session wants them, when they are there: the END of a scan may move those before them.
-  link::BatchedRead begin() override {
-    is_ready_ = false;
-    if (parts_ == nullptr || is_sending_) return {};
-    return {.socket = &socket_,
-            .bytes = session_->space()};  // if there is none, work() makes some, and goes on
-  }
-
-  link::BatchedWrite reply() override {
-    if (parts_ == nullptr) return {};
-    progress_ = false;
-    // What an END has left may still be there.
-    if (session_->output().empty() && !session_->over()) answer_complete(progress_);
-    if (parts_ == nullptr) return {};
-    return {.socket = &socket_, .bytes = session_->output()};
-  }
-
-  void go_on(const link::WatchedSocket::Transfer& sent) override {
-    if (parts_ != nullptr && take(sent)) work(progress_);
-  }
-
-  /// Whether something came.
-  bool hear(const link::WatchedSocket::Transfer& came) override {
-    if (parts_ == nullptr) return false;
-    if (came.has_to_wait()) {
-      wait_to_read();
-      return false;
-    }
-    if (came.count == 0) {
-      end_input(came.error);
-      return false;
-    }
-    parts_->look_again_soon();
+    error_code error;
+    const std::size_t count = socket_.read_some(asio::buffer(space.data(), space.size()), error);
+    if (error == asio::error::would_block) return receive();
+    if (error) return end_input(error);
     heard_at_ = CoarseClock::now();
     heard_number_ = ++parts_->heard;
-    session_->received(came.count);
-    return true;
+    session_->received(count);
+    work();
   }
 
-  void end_input(int error) {
+  void end_input(const error_code& error) {
     input_ended_ = true;
     // What it has asked is still done and answered.
     if (is_waiting_ || !session_->output().empty()) return;
-    end(error == ETIMEDOUT ? "does not answer the alive check any more" : nullptr);
+    end(error == asio::error::timed_out ? "does not answer the alive check any more" : nullptr);
   }
 
   void set(int level, int name, int value) noexcept {
@@ -246,35 +192,31 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
 
   /// False when the rest has to wait, or the connection is at its end.
   bool send() {
-    for (auto output = session_->output(); !output.empty(); output = session_->output())
-      if (!take(socket_.write(output))) return false;
-    return true;
-  }
-
-  /// So much was sent. False as for send().
-  bool take(const link::WatchedSocket::Transfer& written) {
-    if (written.has_to_wait()) {
-      wait_to_send();
-      return false;
+    for (auto output = session_->output(); !output.empty(); output = session_->output()) {
+      error_code error;
+      const std::size_t count = socket_.write_some(asio::buffer(output.data(), output.size()), error);
+      if (error) {
+        if (error == asio::error::would_block)
+          wait_to_send();
+        else
+          end();
+        return false;
+      }
+      session_->sent(count);
     }
-    if (written.error != 0) {
-      end();
-      return false;
-    }
-    session_->sent(written.count);
     return true;
   }
 
   void wait_to_send() {
     is_sending_ = true;
     set_timer(parts_->options.send_timeout, "does not take its replies");
-    socket_.wait_to_write(shared_from_this());
-  }
-
-  void can_write() override {
-    timer_.stop();
-    is_sending_ = false;
-    work();
+    socket_.async_wait(tcp::socket::wait_write, [self = shared_from_this()](const error_code& error) {
+      if (self->parts_ == nullptr) return;
+      if (error) return self->end();
+      self->timer_.stop();
+      self->is_sending_ = false;
+      self->work();
+    });
   }
 
   /// A request that has begun has its time; one that is answered gives the next its own.
@@ -299,18 +241,16 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
   }
 
   Parts* parts_;
+  tcp::socket socket_;
   std::string name_;
   std::uint64_t heard_number_;  // later is higher, and no two are equal
   CoarseClock::time_point heard_at_ = CoarseClock::now();
   ConnectionTimer timer_;
   bool is_receiving_ = false;  // waits for bytes
-  bool is_ready_ = false;      // has some, and waits to be served
   bool is_sending_ = false;    // waits for room to send
   bool is_waiting_ = false;    // for the END of the scan
   bool input_ended_ = false;   // nothing more comes
-  bool progress_ = false;      // something was answered since it is served
   std::unique_ptr<Conversation> session_;
-  link::WatchedSocket socket_;
 };
 
 void TcpServer::Parts::admit(tcp::socket socket) {
@@ -322,20 +262,6 @@ void TcpServer::Parts::admit(tcp::socket socket) {
   const auto connection = std::make_shared<Connection>(*this, std::move(socket), name);
   connections.push_back(connection);
   connection->start();
-}
-
-void TcpServer::Parts::look_again_soon() {
-  if (std::exchange(looks_again, true)) return;
-  look_timer.expires_after(look_again_after);
-  look_timer.async_wait([self = shared_from_this()](const error_code& error) {
-    if (!error) self->look_again();
-  });
-}
-
-void TcpServer::Parts::look_again() {
-  looks_again = false;
-  const auto all = connections;  // one that is at its end leaves them
-  for (const auto& connection : all) connection->look_again();
 }
 
 void TcpServer::Parts::remove(const Connection& connection) {
@@ -367,7 +293,6 @@ std::uint64_t TcpServer::requests() const noexcept { return parts_->requests; }
 
 void TcpServer::stop() noexcept {
   parts_->port.close();
-  parts_->look_timer.cancel();
   for (const auto& connection : parts_->connections) connection->close();
   parts_->connections.clear();
 }

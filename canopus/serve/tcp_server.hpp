@@ -2,8 +2,8 @@
 // A TCP server in front of a rack: one conversation per client, in whatever protocol its factory makes. It runs on the
 // event loop that owns the rack, in its thread, and answers a client as soon as its request is complete; of a rack with
 // a scan of its own at the END of the scan (plc/rack/end_processing.hpp). Clients that ask at the same time are answered
-// together (link/tcp/socket_round.hpp), in the order in which the loop finds their requests. What a connection has
-// received whole is done then, whatever has become of its client.
+// in the order in which the loop finds their requests. What a connection has received whole is done then, whatever has
+// become of its client.
 //
 // Clients cannot disturb each other or the bus: each has fixed buffers, is answered no further while it does
 // not take its replies, and loses its connection when it stops in the middle of a request. One that is silent

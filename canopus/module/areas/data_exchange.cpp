@@ -11,24 +11,6 @@ constexpr std::uint16_t first_rpdo_mapping = 0x1600;
 constexpr std::uint16_t first_tpdo_mapping = 0x1A00;
 constexpr std::uint8_t most_entries = 64;
 
-// Mostly the few words of one PDO: a call of memcpy costs more than they do.
-void copy(std::uint8_t* to, const std::uint8_t* from, std::size_t bytes) noexcept {
-  if (bytes > 16) {
-    std::memcpy(to, from, bytes);
-    return;
-  }
-  for (; bytes >= 8; bytes -= 8, to += 8, from += 8) std::memcpy(to, from, 8);
-  if (bytes >= 4) {
-    std::memcpy(to, from, 4);
-    bytes -= 4, to += 4, from += 4;
-  }
-  if (bytes >= 2) {
-    std::memcpy(to, from, 2);
-    bytes -= 2, to += 2, from += 2;
-  }
-  if (bytes != 0) *to = *from;
-}
-
 }  // namespace
 
 // Adds copies for what this PDO maps; neighbours on both sides join the one before, back to copy `first`.
@@ -85,7 +67,7 @@ void DataExchange::find_areas(const canopen::DictionaryDescription& description)
 
 void DataExchange::show_in_all(std::span<std::uint8_t> block, std::size_t place,
                                std::size_t bytes) const noexcept {
-  for (const std::uint32_t area : output_areas_) copy(&block[area + place], &received_[place], bytes);
+  for (const std::uint32_t area : output_areas_) std::memcpy(&block[area + place], &received_[place], bytes);
 }
 
 void DataExchange::rpdo_received(canopen::Node& node, std::uint16_t number) {
@@ -94,7 +76,7 @@ void DataExchange::rpdo_received(canopen::Node& node, std::uint16_t number) {
   const auto block = node.dictionary().block();
   const auto last = receive_.begin() + receive_first_[number + 1U];
   for (auto step = receive_.begin() + receive_first_[number]; step != last; ++step) {
-    copy(&received_[step->place], block.data() + step->offset, step->bytes);
+    std::memcpy(&received_[step->place], block.data() + step->offset, step->bytes);
     if (layout_.all_variables) show_in_all(block, step->place, step->bytes);
   }
 }
@@ -127,7 +109,7 @@ void DataExchange::put_words(BufferAddress first, std::span<const std::uint8_t> 
 void DataExchange::exchange(canopen::Node& node) {
   follow(node);
   std::uint8_t* const block = node.dictionary().block().data();
-  for (const Copy& step : transmit_) copy(block + step.offset, &to_send_[step.place], step.bytes);
+  for (const Copy& step : transmit_) std::memcpy(block + step.offset, &to_send_[step.place], step.bytes);
   put_words(layout_.receive_first, received_);
 }
 
