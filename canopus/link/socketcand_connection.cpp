@@ -252,13 +252,13 @@ void SocketcandServer::Client::leave() {
   stall_.cancel();
   attachment_.reset();
   server.clock.touched();
-  server.remove(this);
+  server.clients.remove(*this);
   server.statistics.frames_dropped += dropped;
-  if (!server.report) return;
-  if (too_slow_) server.report(name_ + " does not read its frames: its connection is closed");
-  if (dropped == 1) server.report(name_ + " left: 1 frame that it had sent was dropped");
+  if (too_slow_) server.clients.report(name_, "does not read its frames: its connection is closed");
+  if (dropped == 1) server.clients.report(name_, "left: 1 frame that it had sent was dropped");
   if (dropped > 1) {
-    server.report(name_ + " left: " + std::to_string(dropped) + " frames that it had sent were dropped");
+    server.clients.report(name_,
+                          "left: " + std::to_string(dropped) + " frames that it had sent were dropped");
   }
 }
 

@@ -14,7 +14,7 @@
 
 #include "canopus/link/socketcand_server.hpp"
 #include "canopus/link/socketcand_session.hpp"
-#include "canopus/link/tcp/tcp_port.hpp"
+#include "canopus/link/tcp_clients.hpp"
 
 namespace canopus::link {
 
@@ -28,12 +28,9 @@ struct SocketcandServer::Shared : std::enable_shared_from_this<Shared> {
         attach(std::move(attach_to_bus)),
         clock(loop),
         limits(std::move(given)),
-        report(std::move(to_report)),
-        port(context) {}
+        clients(context, {.allowed = limits.allowed, .most = limits.clients}, std::move(to_report)) {}
 
   void admit(boost::asio::ip::tcp::socket socket);
-  void refuse(boost::asio::ip::tcp::socket& socket, std::string_view answer, std::string_view why) const;
-  void remove(const Client* client);
 
   boost::asio::io_context& io;
   boost::asio::ip::tcp::endpoint endpoint;
@@ -41,9 +38,7 @@ struct SocketcandServer::Shared : std::enable_shared_from_this<Shared> {
   AttachToBus attach;
   LoopClock& clock;
   SocketcandLimits limits;
-  ClientReport report;
-  TcpPort port;
-  std::vector<std::shared_ptr<Client>> clients;
+  TcpClients<Client> clients;
   SocketcandStatistics statistics;
 };
 

@@ -34,35 +34,24 @@ void keep_little(tcp::acceptor& acceptor) {
 
 void SocketcandServer::Shared::admit(tcp::socket socket) {
   ++statistics.connections;
+  constexpr std::string_view not_allowed = "< error not allowed >";
   error_code ignored;
   socket.set_option(tcp::no_delay(true), ignored);
   socket.set_option(asio::socket_base::keep_alive(true), ignored);  // a machine that vanished is noticed
   // Frames that wait in the kernel are as late as those in the queue, but are not counted.
   socket.set_option(asio::socket_base::send_buffer_size(64 * 1024), ignored);
-  if (!is_allowed(socket, limits.allowed) || (limits.own_user_alone && !is_of_own_user(socket))) {
-    return refuse(socket, "< error not allowed >", "is not allowed to connect");
-  }
+  if (!clients.may_connect(socket, not_allowed)) return;
+  if (limits.own_user_alone && !is_of_own_user(socket))
+    return clients.refuse(socket, "is not allowed to connect", not_allowed);
   constexpr std::string_view too_many = "< error too many clients >";
-  if (clients.size() >= limits.clients) return refuse(socket, too_many, "was refused: too many clients");
+  if (clients.is_full()) return clients.refuse(socket, "was refused: too many clients", too_many);
   const auto client = std::make_shared<Client>(*this, std::move(socket));
   (void)clock.now();  // it joins now, not at the bus's last event
-  if (!client->attach()) return refuse(client->socket(), too_many, "was refused: the bus takes no more");
-  clients.push_back(client);
+  if (!client->attach())
+    return clients.refuse(client->socket(), "was refused: the bus takes no more", too_many);
+  clients.add(client);
   client->start();
   clock.touched();
-}
-
-void SocketcandServer::Shared::refuse(tcp::socket& socket, std::string_view answer,
-                                      std::string_view why) const {
-  if (report) report(name_of_peer(socket) + ' ' + std::string(why));
-  error_code ignored;
-  socket.non_blocking(true, ignored);
-  socket.write_some(asio::buffer(answer), ignored);
-  socket.close(ignored);
-}
-
-void SocketcandServer::Shared::remove(const Client* client) {
-  std::erase_if(clients, [client](const auto& entry) { return entry.get() == client; });
 }
 
 SocketcandServer::SocketcandServer(asio::io_context& io, const tcp::endpoint& endpoint, std::string bus_name,
@@ -74,19 +63,16 @@ SocketcandServer::SocketcandServer(asio::io_context& io, const tcp::endpoint& en
 SocketcandServer::~SocketcandServer() { close(); }
 
 std::expected<void, std::string> SocketcandServer::listen() {
-  TcpPort::Users users{.admit = [shared = shared_](tcp::socket socket) { shared->admit(std::move(socket)); },
-                       .refuse =
-                           [shared = shared_](tcp::socket& socket) {
-                             shared->refuse(socket, "< error too many open files >",
-                                            TcpPort::no_descriptor_left);
-                           }};
-  const error_code failure = shared_->port.listen(shared_->endpoint, std::move(users), keep_little);
+  const error_code failure = shared_->clients.listen(
+      shared_->endpoint, keep_little,
+      [shared = shared_](tcp::socket socket) { shared->admit(std::move(socket)); },
+      "< error too many open files >");
   if (!failure) return {};
   return std::unexpected("cannot listen on " + shared_->endpoint.address().to_string() + ':' +
                          std::to_string(shared_->endpoint.port()) + ": " + failure.message());
 }
 
-std::uint16_t SocketcandServer::port() const noexcept { return shared_->port.port(); }
+std::uint16_t SocketcandServer::port() const noexcept { return shared_->clients.port(); }
 
 SocketcandStatistics SocketcandServer::statistics() const noexcept {
   SocketcandStatistics statistics = shared_->statistics;
@@ -96,13 +82,13 @@ SocketcandStatistics SocketcandServer::statistics() const noexcept {
 
 std::size_t SocketcandServer::waiting_messages() const noexcept {
   std::size_t most = 0;
-  for (const auto& client : shared_->clients) most = std::max(most, client->waiting_messages());
+  for (const auto& client : shared_->clients.all()) most = std::max(most, client->waiting_messages());
   return most;
 }
 
 void SocketcandServer::close() {
-  shared_->port.close();
-  const auto clients = shared_->clients;  // leave() takes each off the list
+  shared_->clients.close_port();
+  const auto clients = shared_->clients.all();  // leave() takes each off the list
   for (const auto& client : clients) client->leave();
 }
 

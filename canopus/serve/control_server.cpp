@@ -3,16 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <utility>
-#include <vector>
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/write.hpp>
 
-#include "canopus/link/tcp/connection_places.hpp"
-#include "canopus/link/tcp/tcp_port.hpp"
-#include "canopus/serve/connection_timer.hpp"
+#include "canopus/link/tcp_clients.hpp"
 
 namespace canopus::serve {
 
@@ -24,37 +21,28 @@ using WallClock = std::chrono::steady_clock;
 struct ControlServer::Parts {
   Parts(asio::io_context& io, link::LoopClock& the_clock, Answer the_answer, ControlServerOptions the_options,
         link::ClientReport the_report)
-      : context(io),
+      : clients(io,
+                {.allowed = the_options.allowed,
+                 .most = the_options.maximum_clients,
+                 .gives_way_after = the_options.gives_way_after},
+                std::move(the_report)),
         clock(the_clock),
         answer(std::move(the_answer)),
-        options(std::move(the_options)),
-        report(std::move(the_report)),
-        port(io) {}
+        options(std::move(the_options)) {}
 
   void admit(tcp::socket socket);
-  void remove(const Connection& connection);
-  void say(const std::string& client, const std::string& what) const {
-    if (report) report(client + ' ' + what);
-  }
 
-  asio::io_context& context;
+  link::TcpClients<Connection> clients;
   link::LoopClock& clock;
   Answer answer;
   ControlServerOptions options;
-  link::ClientReport report;
-  link::TcpPort port;
-  std::vector<std::shared_ptr<Connection>> connections;
 };
 
-/// One client: reads a line, waits for its answer and sends it, and goes on with the next line. Handlers hold it;
-/// it forgets the server when the server is gone.
-class ControlServer::Connection : public std::enable_shared_from_this<Connection> {
+/// One client: reads a line, waits for its answer and sends it, and goes on with the next line.
+class ControlServer::Connection : public link::TcpClient<Connection> {
  public:
-  Connection(Parts& parts, tcp::socket socket)
-      : parts_(&parts),
-        socket_(std::move(socket)),
-        name_(link::name_of_peer(socket_)),
-        timer_(parts.context) {}
+  Connection(Parts& parts, tcp::socket socket, std::string name)
+      : TcpClient(parts.clients, std::move(name)), parts_(parts), socket_(std::move(socket)) {}
 
   void start() {
     error_code ignored;
@@ -63,19 +51,14 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
     receive();
   }
 
-  [[nodiscard]] const std::string& name() const noexcept { return name_; }
   /// While it waits for its answer it has a reason to be silent.
   [[nodiscard]] link::HeldPlace place() const noexcept {
     return {.hold = state_ == State::waits ? link::Hold::firm : link::Hold::while_used, .used = heard_at_};
   }
 
   void close() noexcept {
-    parts_ = nullptr;
+    close_socket(socket_);
     call_off();
-    error_code ignored;
-    socket_.shutdown(tcp::socket::shutdown_both, ignored);
-    socket_.close(ignored);
-    timer_.stop();
   }
 
  private:
@@ -87,12 +70,12 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
   };
 
   void receive() {
-    if (receiving_ || input_.size() > parts_->options.most_waiting) return;
+    if (receiving_ || input_.size() > parts_.options.most_waiting) return;
     receiving_ = true;
     socket_.async_read_some(asio::buffer(buffer_),
                             [self = shared_from_this()](error_code error, std::size_t count) {
                               self->receiving_ = false;
-                              if (self->parts_ != nullptr) self->received(error, count);
+                              if (!self->is_closed()) self->received(error, count);
                             });
   }
 
@@ -112,52 +95,52 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
   void work() {
     const std::size_t end = input_.find('\n');
     const std::size_t length = std::min(end, input_.size());
-    if (length > parts_->options.longest_line) {
-      const std::string limit = std::to_string(parts_->options.longest_line);
-      parts_->say(name_, "sent a line of more than " + limit + " bytes: its connection is closed");
+    if (length > parts_.options.longest_line) {
+      const std::string limit = std::to_string(parts_.options.longest_line);
+      report("sent a line of more than " + limit + " bytes: its connection is closed");
       send(R"({"ok":false,"error":"a request has at most )" + limit + " bytes\"}\n", State::ends);
       return;
     }
     if (end == std::string::npos) {
       if (input_.empty()) {
-        timer_.stop();
-      } else if (!timer_.is_set()) {
-        set_timer(parts_->options.half_line_timeout, "left a request incomplete");
+        stop_timer();
+      } else if (!is_timer_set()) {
+        set_timer(parts_.options.half_line_timeout, "left a request incomplete");
       }
       return receive();
     }
-    timer_.stop();
-    (void)parts_->clock.now();
-    if (parts_ == nullptr) return;  // the run ended on the way there
+    stop_timer();
+    (void)parts_.clock.now();
+    if (is_closed()) return;  // the run ended on the way there
     const std::string line = input_.substr(0, end);
     input_.erase(0, end + 1);
     state_ = State::waits;
     const auto reply = [weak = weak_from_this()](std::string answer) {
       if (const auto self = weak.lock()) self->answered(std::move(answer));
     };
-    CallOff call_off = parts_->answer(line, reply);
-    if (parts_ == nullptr || state_ != State::waits) return;
+    CallOff call_off = parts_.answer(line, reply);
+    if (is_closed() || state_ != State::waits) return;
     call_off_ = std::move(call_off);
-    parts_->clock.touched();
-    if (parts_ != nullptr) receive();
+    parts_.clock.touched();
+    if (!is_closed()) receive();
   }
 
   void answered(std::string answer) {
-    if (parts_ == nullptr || state_ != State::waits) return;
+    if (is_closed() || state_ != State::waits) return;
     call_off_ = nullptr;
-    parts_->clock.touched();
-    if (parts_ != nullptr) send(std::move(answer), State::sends);
+    parts_.clock.touched();
+    if (!is_closed()) send(std::move(answer), State::sends);
   }
 
   void send(std::string answer, State state) {
     state_ = state;
     output_ = std::move(answer);
-    set_timer(parts_->options.send_timeout, "does not take its answers");
+    set_timer(parts_.options.send_timeout, "does not take its answers");
     asio::async_write(socket_, asio::buffer(output_),
                       [self = shared_from_this()](error_code error, std::size_t) {
-                        if (self->parts_ == nullptr) return;
+                        if (self->is_closed()) return;
                         if (error || self->state_ == State::ends) return self->end();
-                        self->timer_.stop();
+                        self->stop_timer();
                         self->state_ = State::reads;
                         self->work();
                       });
@@ -167,25 +150,9 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
     if (const CallOff wanted = std::exchange(call_off_, nullptr)) wanted();
   }
 
-  void set_timer(std::chrono::milliseconds timeout, const char* reason) {
-    timer_.set(timeout, [self = shared_from_this(), reason] {
-      if (self->parts_ != nullptr) self->end(reason);
-    });
-  }
-
-  /// `reason`: what the client did, when it was not its client that ended the connection.
-  void end(const char* reason = nullptr) {
-    Parts& parts = *parts_;
-    if (reason != nullptr) parts.say(name_, std::string(reason) + ": its connection is closed");
-    close();
-    parts.remove(*this);
-  }
-
-  Parts* parts_;
+  Parts& parts_;
   tcp::socket socket_;
-  std::string name_;
   WallClock::time_point heard_at_ = WallClock::now();
-  ConnectionTimer timer_;
   std::array<char, 1024> buffer_{};
   std::string input_;
   std::string output_;
@@ -195,17 +162,10 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
 };
 
 void ControlServer::Parts::admit(tcp::socket socket) {
-  const std::string name = link::name_of_peer(socket);
-  if (!link::is_allowed(socket, options.allowed)) return say(name, "is not allowed to connect");
-  const link::ConnectionPlaces places(options.maximum_clients, options.gives_way_after);
-  const auto report_of = [this](const std::string& client, const std::string& what) { say(client, what); };
-  if (!places.make_room(connections, name, WallClock::now(), report_of)) return;
-  connections.push_back(std::make_shared<Connection>(*this, std::move(socket)));
-  connections.back()->start();
-}
-
-void ControlServer::Parts::remove(const Connection& connection) {
-  std::erase_if(connections, [&](const auto& other) { return other.get() == &connection; });
+  if (!clients.may_connect(socket)) return;
+  std::string name = link::name_of_peer(socket);
+  if (!clients.make_room(name, WallClock::now())) return;
+  clients.add(std::make_shared<Connection>(*this, std::move(socket), std::move(name)))->start();
 }
 
 ControlServer::ControlServer(asio::io_context& context, link::LoopClock& clock, Answer answer,
@@ -216,23 +176,14 @@ ControlServer::ControlServer(asio::io_context& context, link::LoopClock& clock, 
 ControlServer::~ControlServer() { stop(); }
 
 std::expected<void, std::string> ControlServer::listen(const std::string& host, std::uint16_t port) {
-  return parts_->port.listen(
-      host, port,
-      {.admit = [parts = parts_](tcp::socket socket) { parts->admit(std::move(socket)); },
-       .refuse =
-           [parts = parts_](tcp::socket& socket) {
-             parts->say(link::name_of_peer(socket), link::TcpPort::no_descriptor_left);
-           }});
+  return parts_->clients.listen(host, port,
+                                [parts = parts_](tcp::socket socket) { parts->admit(std::move(socket)); });
 }
 
-std::uint16_t ControlServer::port() const noexcept { return parts_->port.port(); }
+std::uint16_t ControlServer::port() const noexcept { return parts_->clients.port(); }
 
-std::size_t ControlServer::clients() const noexcept { return parts_->connections.size(); }
+std::size_t ControlServer::clients() const noexcept { return parts_->clients.size(); }
 
-void ControlServer::stop() noexcept {
-  parts_->port.close();
-  for (const auto& connection : parts_->connections) connection->close();
-  parts_->connections.clear();
-}
+void ControlServer::stop() noexcept { parts_->clients.close(); }
 
 }  // namespace canopus::serve

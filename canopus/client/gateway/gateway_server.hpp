@@ -10,14 +10,13 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include <boost/asio/io_context.hpp>
 
 #include "canopus/client/gateway/gateway.hpp"
 #include "canopus/link/allow_list.hpp"
 #include "canopus/link/peer.hpp"
-#include "canopus/link/tcp/tcp_port.hpp"
+#include "canopus/link/tcp_clients.hpp"
 
 namespace canopus::client {
 
@@ -44,7 +43,7 @@ class GatewayServer final : public can::Participant {
 
   /// `host` is an address or a name; port 0 takes a free one. The error is a sentence.
   [[nodiscard]] std::expected<void, std::string> listen(const std::string& host, std::uint16_t port);
-  [[nodiscard]] std::uint16_t port() const noexcept { return port_.port(); }
+  [[nodiscard]] std::uint16_t port() const noexcept { return clients_.port(); }
   [[nodiscard]] std::size_t clients() const noexcept { return clients_.size(); }
 
   // can::Participant: for the gateway and the sessions
@@ -55,16 +54,12 @@ class GatewayServer final : public can::Participant {
  private:
   class Client;
   void admit(link::TcpPort::Socket socket);
-  void refuse(link::TcpPort::Socket& socket, const std::string& why);
-  void remove(const Client* client);
   void go_on();
 
   Gateway& gateway_;
   Clock clock_;
   Options options_;
-  link::ClientReport report_;
-  link::TcpPort port_;
-  std::vector<std::shared_ptr<Client>> clients_;
+  link::TcpClients<Client> clients_;
 };
 
 }  // namespace canopus::client

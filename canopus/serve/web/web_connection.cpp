@@ -28,19 +28,18 @@ bool holds_key(std::string_view target, std::string_view key) {
 
 }  // namespace
 
-WebServer::Connection::Connection(Parts& parts, tcp::socket socket)
-    : parts_(&parts),
+WebServer::Connection::Connection(Parts& parts, tcp::socket socket, std::string name)
+    : TcpClient(parts.clients, std::move(name)),
+      parts_(parts),
       stream_(WebClientSocket(std::move(socket))),
-      name_(link::name_of_peer(stream_.next_layer())),
-      timer_(parts.context),
       outbox_(parts.options.most_events, parts.use.lost),
-      user_{.address = name_},
+      user_{.address = this->name()},
       address_(link::address_of_peer(stream_.next_layer())) {}
 
 void WebServer::Connection::start() {
   error_code ignored;
   socket().set_option(tcp::no_delay(true), ignored);
-  set_timer(parts_->options.head_timeout, "left a request incomplete");
+  set_timer(parts_.options.head_timeout, "left a request incomplete");
   receive();
 }
 
@@ -54,33 +53,27 @@ void WebServer::Connection::send() {
   if (state_ != State::watches || is_sending_ || outbox_.empty()) return;
   is_sending_ = true;
   output_ = outbox_.take();
-  set_timer(parts_->options.send_timeout, "does not take what it is sent");
+  set_timer(parts_.options.send_timeout, "does not take what it is sent");
   stream_.async_write(asio::buffer(output_), [self = shared_from_this()](error_code error, std::size_t) {
-    if (self->parts_ == nullptr) return;
+    if (self->is_closed()) return;
     self->is_sending_ = false;
     if (error) return self->end();
-    self->timer_.stop();
+    self->stop_timer();
     self->send();
   });
 }
 
 void WebServer::Connection::look_for_end(WebTime::time_point now) {
   if (state_ != State::watches) return;
-  if (now - heard_at_ > parts_->options.silent_timeout || (session_ && session_->is_over)) end();
+  if (now - heard_at_ > parts_.options.silent_timeout || (session_ && session_->is_over)) end();
 }
 
-void WebServer::Connection::close() noexcept {
-  parts_ = nullptr;
-  error_code ignored;
-  socket().shutdown(tcp::socket::shutdown_both, ignored);
-  socket().close(ignored);
-  timer_.stop();
-}
+void WebServer::Connection::close() noexcept { close_socket(socket()); }
 
 void WebServer::Connection::receive() {
   socket().async_read_some(asio::buffer(buffer_),
                            [self = shared_from_this()](error_code error, std::size_t count) {
-                             if (self->parts_ != nullptr) self->received(error, count);
+                             if (!self->is_closed()) self->received(error, count);
                            });
 }
 
@@ -90,7 +83,7 @@ void WebServer::Connection::received(const error_code& error, std::size_t count)
   if (head_size_ == 0 && !take_head()) return;
   const std::size_t length = head_size_ + body_length(*request_);
   if (input_.size() > length) return answer({.status = 400, .body = "a request has no body here\n"});
-  WebAnswer result = answer_to(*request_, parts_->place);
+  WebAnswer result = answer_to(*request_, parts_.place);
   const bool wants_body = result.next == WebNext::log_in || result.next == WebNext::log_out;
   if (wants_body && input_.size() < length) return receive();
   look_at_request(std::move(result));
@@ -103,7 +96,7 @@ bool WebServer::Connection::take_head() {
     receive();
     return false;
   }
-  if (const auto refusal = parts_->gate->refusal(address_, WebTime::now())) {
+  if (const auto refusal = parts_.gate->refusal(address_, WebTime::now())) {
     answer(*refusal);
     return false;
   }
@@ -120,12 +113,12 @@ bool WebServer::Connection::take_head() {
 /// A whole request.
 void WebServer::Connection::look_at_request(WebAnswer result) {
   const std::string_view form = std::string_view(input_).substr(head_size_);
-  session_ = parts_->gate->session_of(*request_, parts_->place, WebTime::now());
+  session_ = parts_.gate->session_of(*request_, parts_.place, WebTime::now());
   switch (result.next) {
     case WebNext::log_in: return log_in(form);
     case WebNext::log_out: {
-      const WebGate::Client client{.address = address_, .name = name_};
-      return answer(parts_->gate->log_out(form, session_.get(), client, parts_->place));
+      const WebGate::Client client{.address = address_, .name = name()};
+      return answer(parts_.gate->log_out(form, session_.get(), client, parts_.place));
     }
     case WebNext::session: {
       const bool has_body = result.has_body;
@@ -144,29 +137,28 @@ void WebServer::Connection::look_at_request(WebAnswer result) {
     case WebNext::send: break;
   }
   if (result.status != 101) return answer(result);
-  if (parts_->place.has_users && session_ == nullptr)
-    return answer({.status = 401, .body = "log in first\n"});
+  if (parts_.place.has_users && session_ == nullptr) return answer({.status = 401, .body = "log in first\n"});
   upgrade();
 }
 
 void WebServer::Connection::log_in(std::string_view form) {
   state_ = State::answers;
   logs_in_ = true;
-  set_timer(parts_->options.send_timeout, nullptr);
-  parts_->gate->log_in(form, {.address = address_, .name = name_}, parts_->place, WebTime::now(),
-                       [client = weak_from_this()](const WebAnswer& result) {
-                         const auto self = client.lock();
-                         if (self && self->parts_ != nullptr) self->answer(result);
-                       });
+  set_timer(parts_.options.send_timeout, nullptr);
+  parts_.gate->log_in(form, {.address = address_, .name = name()}, parts_.place, WebTime::now(),
+                      [client = weak_from_this()](const WebAnswer& result) {
+                        const auto self = client.lock();
+                        if (self && !self->is_closed()) self->answer(result);
+                      });
 }
 
 void WebServer::Connection::answer(const WebAnswer& answer) {
   state_ = State::answers;
   logs_in_ = false;
   output_ = written(answer);
-  set_timer(parts_->options.send_timeout, "does not take its answer");
+  set_timer(parts_.options.send_timeout, nullptr);
   asio::async_write(socket(), asio::buffer(output_), [self = shared_from_this()](error_code, std::size_t) {
-    if (self->parts_ == nullptr) return;
+    if (self->is_closed()) return;
     error_code ignored;
     self->socket().shutdown(tcp::socket::shutdown_send, ignored);
     self->drain();
@@ -176,19 +168,19 @@ void WebServer::Connection::answer(const WebAnswer& answer) {
 /// Waits for the client's end: a socket that is closed with bytes unread would take the answer back.
 void WebServer::Connection::drain() {
   socket().async_read_some(asio::buffer(buffer_), [self = shared_from_this()](error_code error, std::size_t) {
-    if (self->parts_ == nullptr) return;
+    if (self->is_closed()) return;
     if (error || ++self->drained_ > most_drained) return self->end();
     self->drain();
   });
 }
 
 void WebServer::Connection::upgrade() {
-  const WebServerOptions& options = parts_->options;
+  const WebServerOptions& options = parts_.options;
   const std::string_view target(request_->target().data(), request_->target().size());
   if (session_) user_.name = session_->user.name;
   knows_key_ = holds_key(target, session_ ? session_->key : options.key);
   if (knows_key_) user_.role = session_ ? session_->user.role : options.role;
-  if (!parts_->has_room_for_watcher(*this)) {
+  if (!parts_.has_room_for_watcher(*this)) {
     return answer({.status = 503,
                    .body = session_ ? "this user watches too many pages; close one of them\n"
                                     : "too many watch without the key of the page\n"});
@@ -208,21 +200,21 @@ void WebServer::Connection::upgrade() {
       [this](websocket::frame_type, boost::beast::string_view) { heard_at_ = WebTime::now(); });
   heard_at_ = WebTime::now();
   stream_.async_accept(*request_, [self = shared_from_this()](error_code error) {
-    if (self->parts_ == nullptr) return;
+    if (self->is_closed()) return;
     if (error) return self->end();
-    self->timer_.stop();
+    self->stop_timer();
     self->state_ = State::watches;
-    self->parts_->watch();
-    if (self->parts_ == nullptr) return;  // the run ended on the way there
-    for (const WebOutbox::Text& event : self->parts_->latest) self->outbox_.add_event(event);
+    self->parts_.watch();
+    if (self->is_closed()) return;  // the run ended on the way there
+    for (const WebOutbox::Text& event : self->parts_.latest) self->outbox_.add_event(event);
     self->listen();
-    self->parts_->show_state();
+    self->parts_.show_state();
   });
 }
 
 void WebServer::Connection::listen() {
   stream_.async_read(message_, [self = shared_from_this()](error_code error, std::size_t) {
-    if (self->parts_ == nullptr) return;
+    if (self->is_closed()) return;
     if (error == websocket::error::message_too_big) return self->end("sent a message that is too long");
     if (self->stream_.next_layer().has_sent_too_much()) return self->end("sends too much");
     if (error) return self->end();
@@ -232,7 +224,7 @@ void WebServer::Connection::listen() {
       self->heard(std::move(*wish));
     self->message_.clear();
     self->message_.shrink_to_fit();  // a device file may be 2 MiB
-    if (self->parts_ != nullptr) self->listen();
+    if (!self->is_closed()) self->listen();
   });
 }
 
@@ -240,32 +232,18 @@ void WebServer::Connection::heard(WebWish wish) {
   if (session_) session_->used = WebTime::now();
   if (wish.messages) wants_messages_ = *wish.messages;
   if (wish.views) views_ = std::move(*wish.views);
-  if (!wish.command || !parts_->use.command) return;
-  parts_->use.command(user_, wish.command->text, wish.command->id,
-                      [client = weak_from_this()](std::string event) {
-                        if (const auto self = client.lock()) self->reply(std::move(event));
-                      });
+  if (!wish.command || !parts_.use.command) return;
+  parts_.use.command(user_, wish.command->text, wish.command->id,
+                     [client = weak_from_this()](std::string event) {
+                       if (const auto self = client.lock()) self->reply(std::move(event));
+                     });
 }
 
 void WebServer::Connection::reply(std::string event) {
-  if (parts_ == nullptr) return;
+  if (is_closed()) return;
   if (!outbox_.add_reply(std::move(event))) return end("does not take the replies to its commands");
   send();
-  if (parts_ != nullptr) parts_->limit_waiting();
-}
-
-void WebServer::Connection::set_timer(std::chrono::milliseconds timeout, const char* reason) {
-  timer_.set(timeout, [self = shared_from_this(), reason] {
-    if (self->parts_ != nullptr) self->end(self->state_ == State::answers ? nullptr : reason);
-  });
-}
-
-void WebServer::Connection::end(const char* reason) {
-  const auto self = shared_from_this();
-  Parts& parts = *parts_;
-  if (reason != nullptr) parts.say(name_, std::string(reason) + ": its connection is closed");
-  close();
-  parts.remove(*this);
+  if (!is_closed()) parts_.limit_waiting();
 }
 
 }  // namespace canopus::serve

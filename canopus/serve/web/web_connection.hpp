@@ -13,8 +13,7 @@
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket/stream.hpp>
 
-#include "canopus/link/tcp/connection_places.hpp"
-#include "canopus/serve/connection_timer.hpp"
+#include "canopus/link/tcp_clients.hpp"
 #include "canopus/serve/web/web_frames.hpp"
 #include "canopus/serve/web/web_limits.hpp"
 #include "canopus/serve/web/web_outbox.hpp"
@@ -24,15 +23,13 @@
 
 namespace canopus::serve {
 
-/// Handlers hold it; it forgets the server when the server is gone.
-class WebServer::Connection : public std::enable_shared_from_this<Connection> {
+class WebServer::Connection : public link::TcpClient<Connection> {
  public:
-  Connection(Parts& parts, boost::asio::ip::tcp::socket socket);
+  Connection(Parts& parts, boost::asio::ip::tcp::socket socket, std::string name);
 
   void start();
 
   [[nodiscard]] bool watches() const noexcept { return state_ == State::watches; }
-  [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] link::InternetAddress network() const noexcept { return network_of(address_); }
   [[nodiscard]] bool has_place_of_watcher() const noexcept { return watches() || state_ == State::upgrades; }
   /// Who has logged in; nullptr: nobody.
@@ -57,8 +54,7 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   /// Beast waits without end for a client that it has closed to close its side, too.
   void look_for_end(std::chrono::steady_clock::time_point now);
   void close() noexcept;
-  /// `reason`: what the client did, when it was not its client that ended the connection.
-  void end(const char* reason = nullptr);
+  using TcpClient::end;
 
  private:
   enum class State : std::uint8_t {
@@ -80,15 +76,12 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   void listen();
   void heard(WebWish wish);
   void reply(std::string event);
-  void set_timer(std::chrono::milliseconds timeout, const char* reason);
   [[nodiscard]] link::Hold hold() const noexcept;
 
   static constexpr int most_drained = 64;
 
-  Parts* parts_;
+  Parts& parts_;
   boost::beast::websocket::stream<WebClientSocket> stream_;
-  std::string name_;
-  ConnectionTimer timer_;
   WebOutbox outbox_;
   WebUser user_;
   link::InternetAddress address_;

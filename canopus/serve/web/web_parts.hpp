@@ -3,14 +3,13 @@
 
 #include <cstddef>
 #include <memory>
-#include <string>
-#include <vector>
+#include <utility>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 
-#include "canopus/link/tcp/tcp_port.hpp"
+#include "canopus/link/tcp_clients.hpp"
 #include "canopus/serve/web/web_gate.hpp"
 #include "canopus/serve/web/web_outbox.hpp"
 #include "canopus/serve/web/web_server.hpp"
@@ -20,18 +19,19 @@ namespace canopus::serve {
 struct WebServer::Parts : std::enable_shared_from_this<Parts> {
   Parts(boost::asio::io_context& io, link::LoopClock& the_clock, Use the_use, WebServerOptions the_options,
         link::ClientReport the_report)
-      : context(io),
-        clock(the_clock),
+      : clock(the_clock),
         use(std::move(the_use)),
         options(the_options),
-        report(std::move(the_report)),
         gate(std::make_shared<WebGate>(io, options.gate,
                                        WebGate::Use{.note = use.note,
                                                     .report =
-                                                        [this](const std::string& said) {
-                                                          if (report) report(said);
+                                                        [the_report](const std::string& said) {
+                                                          if (the_report) the_report(said);
                                                         }})),
-        port(io),
+        clients(io,
+                {.allowed = gate->has_users() ? everybody() : link::AllowList(),
+                 .most = the_options.maximum_clients},
+                std::move(the_report)),
         latest(options.most_events),
         timer(io) {}
 
@@ -40,25 +40,19 @@ struct WebServer::Parts : std::enable_shared_from_this<Parts> {
   [[nodiscard]] bool has_room_for_watcher(const Connection& newcomer) const;
   /// No more waits for all clients together than may.
   void limit_waiting();
-  void remove(const Connection& connection);
   void watch();
   void show_state();
   void show_messages();
   void show_views();
   void flush();
-  void say(const std::string& client, const std::string& what) const {
-    if (report) report(client + ' ' + what);
-  }
+  [[nodiscard]] static link::AllowList everybody() { return link::AllowList({link::Network{.prefix = 0}}); }
 
-  boost::asio::io_context& context;
   link::LoopClock& clock;
   Use use;
   WebServerOptions options;
-  link::ClientReport report;
   std::shared_ptr<WebGate> gate;
-  link::TcpPort port;
+  link::TcpClients<Connection> clients;
   WebPlace place;
-  std::vector<std::shared_ptr<Connection>> connections;
   WebEventList latest;  // for newcomers
   boost::asio::steady_timer timer;
   bool is_watched = false;       // the timer runs

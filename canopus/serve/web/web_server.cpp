@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "canopus/link/tcp/connection_places.hpp"
 #include "canopus/serve/web/web_connection.hpp"
 #include "canopus/serve/web/web_parts.hpp"
 
@@ -18,28 +17,18 @@ using boost::system::error_code;
 using MonotonicClock = std::chrono::steady_clock;
 
 void WebServer::Parts::admit(tcp::socket socket) {
-  const std::string name = link::name_of_peer(socket);
-  const link::AllowList allowed =
-      gate->has_users() ? link::AllowList({link::Network{.prefix = 0}}) : link::AllowList();
-  if (!link::is_allowed(socket, allowed)) return say(name, "is not allowed to connect");
+  if (!clients.may_connect(socket)) return;
+  std::string name = link::name_of_peer(socket);
   const auto now = MonotonicClock::now();
-  const auto report_of = [this](const std::string& client, const std::string& what) { say(client, what); };
-  const link::ConnectionPlaces places(options.maximum_clients, {});
   const auto asks_from_there = [network = network_of(link::address_of_peer(socket))](const Connection& one) {
     return one.place().hold == link::Hold::none && one.network() == network;
   };
   const auto asking =
-      std::ranges::count_if(connections, [&](const auto& one) { return asks_from_there(*one); });
+      std::ranges::count_if(clients.all(), [&](const auto& one) { return asks_from_there(*one); });
   if (std::cmp_greater_equal(asking, options.most_requests_of_address))
-    places.give_way(connections, name, now, report_of, asks_from_there);
-  if (!places.make_room(connections, name, now, report_of)) return;
-  const auto connection = std::make_shared<Connection>(*this, std::move(socket));
-  connections.push_back(connection);
-  connection->start();
-}
-
-void WebServer::Parts::remove(const Connection& connection) {
-  std::erase_if(connections, [&](const auto& other) { return other.get() == &connection; });
+    clients.give_way(name, now, asks_from_there);
+  if (!clients.make_room(name, now)) return;
+  clients.add(std::make_shared<Connection>(*this, std::move(socket), std::move(name)))->start();
 }
 
 bool WebServer::Parts::has_room_for_watcher(const Connection& newcomer) const {
@@ -51,15 +40,15 @@ bool WebServer::Parts::has_room_for_watcher(const Connection& newcomer) const {
   };
   const std::size_t most =
       newcomer.user() != nullptr ? options.most_watchers_of_user : options.most_watchers_of_address;
-  return std::cmp_less(std::ranges::count_if(connections, counts), most);
+  return std::cmp_less(std::ranges::count_if(clients.all(), counts), most);
 }
 
 void WebServer::Parts::limit_waiting() {
   std::size_t all = 0;
-  for (const auto& one : connections) all += one->waiting_bytes();
+  for (const auto& one : clients.all()) all += one->waiting_bytes();
   if (all <= options.most_waiting_bytes) return;
   const auto most =
-      *std::ranges::max_element(connections, {}, [](const auto& one) { return one->waiting_bytes(); });
+      *std::ranges::max_element(clients.all(), {}, [](const auto& one) { return one->waiting_bytes(); });
   most->end("does not take the replies to its commands");
 }
 
@@ -71,9 +60,9 @@ void WebServer::Parts::watch() {
     if (error || !self->is_open) return;
     self->is_watched = false;
     self->gate->look(MonotonicClock::now());
-    const auto watchers = self->connections;
+    const auto watchers = self->clients.all();
     for (const auto& one : watchers) one->look_for_end(MonotonicClock::now());
-    if (std::ranges::none_of(self->connections, [](const auto& one) { return one->watches(); })) {
+    if (std::ranges::none_of(self->clients.all(), [](const auto& one) { return one->watches(); })) {
       if (self->use.messages) (void)self->use.messages(false);
       self->show_views();
       return;
@@ -88,7 +77,7 @@ void WebServer::Parts::show_state() {
   (void)clock.now();
   if (!is_open) return;  // the run ended on the way there
   const auto text = std::make_shared<const std::string>(use.state());
-  for (const auto& connection : connections) {
+  for (const auto& connection : clients.all()) {
     if (connection->watches()) connection->set_state(text);
   }
   show_messages();
@@ -99,10 +88,10 @@ void WebServer::Parts::show_state() {
 void WebServer::Parts::show_messages() {
   if (!use.messages) return;
   const auto wants = [](const auto& one) { return one->wants_messages(); };
-  std::string event = use.messages(std::ranges::any_of(connections, wants));
+  std::string event = use.messages(std::ranges::any_of(clients.all(), wants));
   if (event.empty()) return;
   const auto text = std::make_shared<const std::string>(std::move(event));
-  for (const auto& connection : connections) {
+  for (const auto& connection : clients.all()) {
     if (wants(connection)) connection->set_messages(text);
   }
 }
@@ -111,9 +100,9 @@ void WebServer::Parts::show_messages() {
 void WebServer::Parts::show_views() {
   if (!use.view) return;
   std::map<std::string_view, WebOutbox::Text> made;
-  for (std::size_t turn = 0; turn < connections.size(); ++turn) {
+  for (std::size_t turn = 0; turn < clients.size(); ++turn) {
     if (made.size() >= options.most_views) break;
-    const auto& connection = connections[++first_viewer % connections.size()];
+    const auto& connection = clients.all()[++first_viewer % clients.size()];
     if (!connection->watches()) continue;
     for (std::size_t i = 0; i < connection->views().size(); ++i) {
       const std::string& view = connection->views()[i];
@@ -127,7 +116,7 @@ void WebServer::Parts::show_views() {
 }
 
 void WebServer::Parts::flush() {
-  const auto watchers = connections;  // a write may end its connection
+  const auto watchers = clients.all();  // a write may end its connection
   for (const auto& connection : watchers) connection->send();
 }
 
@@ -147,16 +136,11 @@ std::expected<void, std::string> WebServer::listen(const std::string& host, std:
                     "expected 127.0.0.1 or ::1 (from another machine: ssh -L)",
                     host));
   }
-  auto result =
-      parts_->port.listen(address, port,
-                          {.admit = [parts = parts_](tcp::socket socket) { parts->admit(std::move(socket)); },
-                           .refuse =
-                               [parts = parts_](tcp::socket& socket) {
-                                 parts->say(link::name_of_peer(socket), link::TcpPort::no_descriptor_left);
-                               }});
+  auto result = parts_->clients.listen(
+      address, port, [parts = parts_](tcp::socket socket) { parts->admit(std::move(socket)); });
   parts_->is_open = result.has_value();
   parts_->place = {.address = address,
-                   .port = parts_->port.port(),
+                   .port = parts_->clients.port(),
                    .origin = parts_->options.origin,
                    .has_users = parts_->gate->has_users()};
   return result;
@@ -171,26 +155,24 @@ std::string WebServer::url() const {
                      key.empty() || parts_->gate->has_users() ? "" : "#key=" + key);
 }
 
-std::uint16_t WebServer::port() const noexcept { return parts_->port.port(); }
+std::uint16_t WebServer::port() const noexcept { return parts_->clients.port(); }
 
-std::size_t WebServer::clients() const noexcept { return parts_->connections.size(); }
+std::size_t WebServer::clients() const noexcept { return parts_->clients.size(); }
 
 /// Goes out with the next state: nothing is written inside of the timeline, and a thousand events are one message.
 void WebServer::event(std::string_view json) {
   const auto text = std::make_shared<const std::string>(json);
   parts_->latest.add(text);
-  for (const auto& connection : parts_->connections) {
+  for (const auto& connection : parts_->clients.all()) {
     if (connection->watches()) connection->add_event(text);
   }
 }
 
 void WebServer::stop() noexcept {
   parts_->is_open = false;
-  parts_->port.close();
   error_code ignored;
   parts_->timer.cancel(ignored);
-  for (const auto& connection : parts_->connections) connection->close();
-  parts_->connections.clear();
+  parts_->clients.close();
 }
 
 }  // namespace canopus::serve

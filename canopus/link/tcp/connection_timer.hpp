@@ -8,7 +8,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 
-namespace canopus::serve {
+namespace canopus::link {
 
 /// How long a client may take for something, in real time. One at a time.
 class ConnectionTimer {
@@ -57,4 +57,4 @@ class ConnectionTimer {
   std::uint64_t turn_ = 0;
 };
 
-}  // namespace canopus::serve
+}  // namespace canopus::link

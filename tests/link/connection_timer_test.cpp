@@ -1,10 +1,10 @@
 // The time that a client has, and what becomes of it where the process did not run.
 
-#include "canopus/serve/connection_timer.hpp"
+#include "canopus/link/tcp/connection_timer.hpp"
 
 #include <gtest/gtest.h>
 
-namespace canopus::serve::connection_timer_test {
+namespace canopus::link::connection_timer_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -45,4 +45,4 @@ TEST(ConnectionTimer, Stopped_CallsNothing) {
 }
 
 }  // namespace
-}  // namespace canopus::serve::connection_timer_test
+}  // namespace canopus::link::connection_timer_test
