@@ -61,7 +61,9 @@ class Talker final : public can::Participant {
  public:
   Talker(sim::Bus& bus, can::Timeline& timeline, std::uint32_t number) : number_(number) {
     port = &bus.add_port("talker");
-    port->connect(*this, timeline.add(*this));
+    alarm() = can::Time{};
+    timeline.add(*this);
+    port->connect(*this);
     frame_ = can::data_frame(0x180 + number, {0, 0, 0, 0, 0, 0, 0, 0});
   }
   void start() { port->send(frame_); }
@@ -73,8 +75,7 @@ class Talker final : public can::Participant {
     frame_ = canopen::frame_of({0x180 + number_, 8}, (turn_ & 0xFF) | moving << 24 | (moving ^ 0x5A) << 48);
     port->send(frame_);
   }
-  void tick(can::Time now) override { heartbeat_ = now + std::chrono::milliseconds(100); }
-  [[nodiscard]] can::Time deadline() const noexcept override { return heartbeat_; }
+  void tick(can::Time now) override { alarm() = now + std::chrono::milliseconds(100); }
 
   sim::Port* port = nullptr;
   std::uint64_t sum = 0;
@@ -83,7 +84,6 @@ class Talker final : public can::Participant {
   std::uint32_t number_;
   std::uint64_t turn_ = 0;
   can::Frame frame_;
-  can::Time heartbeat_{};
 };
 
 struct FullBus {
@@ -183,7 +183,8 @@ void bytes_per_slave(benchmark::State& state) {
     for (std::uint8_t id = 1; id <= count; ++id) {
       sim::Port& port = bus.add_port("slave");
       Slave& slave = *slaves.emplace_back(std::make_unique<Slave>(port, id));
-      port.connect(slave.node, timeline.add(slave.node));
+      timeline.add(slave.node);
+      port.connect(slave.node);
       slave.node.power_on(can::Time{});
       slave.node.command(canopen::NmtCommand::start, can::Time{});
     }

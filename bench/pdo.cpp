@@ -61,7 +61,6 @@ struct Network {
   struct Nobody final : can::Participant {
     void receive(const can::Frame&, can::Time) override {}
     void tick(can::Time) override {}
-    [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
   } nobody;
   bench::PassThroughBus bus;
   bench::PassThroughBus::Port sync{bus};

@@ -131,7 +131,7 @@ void sixteen_buses_apart(benchmark::State& state) {
   if (!reading.errors.empty() || !plant) return state.SkipWithError("the plant cannot be built");
   (*plant)->power_on();
   can::Timeline& timeline = (*plant)->timeline();
-  if (timeline.part_count() != buses) return state.SkipWithError("the buses are not apart");
+  if (timeline.partition_count() != buses) return state.SkipWithError("the buses are not apart");
   std::optional<serve::PlantSlices> slices;
   if (threads > 0) slices.emplace(**plant, serve::PlantSlices::Use{.threads = threads});
   const auto run_until = [&](can::Time end) {

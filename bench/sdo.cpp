@@ -23,11 +23,11 @@ using namespace canopus;
 struct Client final : can::Participant, canopen::SdoClientUser {
   explicit Client(bench::PassThroughBus& bus, std::uint8_t server) : port(bus), client(port) {
     client.set_server(server);
+    alarm().add_part(client.alarm());
     bus.add(*this, port, [server](std::uint32_t identifier) { return identifier == 0x580U + server; });
   }
   void receive(const can::Frame& frame, can::Time now) override { client.receive(frame, now); }
   void tick(can::Time now) override { client.tick(now); }
-  [[nodiscard]] can::Time deadline() const noexcept override { return client.deadline(); }
   void sdo_finished(canopen::SdoClient& done, can::Time) override {
     finished += done.abort_code() == canopen::AbortCode::none ? 1 : 0;
   }

@@ -31,13 +31,15 @@ struct Store final : manager::ConfigurationStore {
   bool works = true;
 };
 
-class Run final : canopen::NodeListener, manager::MasterListener, can::Participant {
+class Run final : canopen::NodeListener, manager::MasterListener, public can::Participant {
  public:
   explicit Run(Input& input)
       : input_(input),
         node_(master_objects(), own_id, node_sink_),
         master_(node_, master_sink_, options(input.byte())),
         configurations_(node_.dictionary(), master_, &store_, configuration_options(input.byte())) {
+    alarm().add_part(node_.alarm());
+    alarm().add_part(master_.alarm());
     node_.set_listener(this);
     master_.set_listener(this);
     start_up_ = input.byte() & 0x7F;
@@ -73,9 +75,6 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
   void tick(can::Time now) override {
     node_.tick(now);
     master_.tick(now);
-  }
-  [[nodiscard]] can::Time deadline() const noexcept override {
-    return std::min(node_.deadline(), master_.deadline());
   }
 
   bool send(const can::Frame& frame, bool by_master) {

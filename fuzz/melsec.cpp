@@ -18,7 +18,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   canopus::can::Timeline timeline;
   canopus::fuzz::MemoryModule module;
   canopus::plc::Rack rack(timeline, iqr ? canopus::plc::r04cpu() : canopus::plc::q03udvcpu());
-  expect(rack.insert(0x20, module, timeline.add(module)));
+  timeline.add(module);
+  expect(rack.insert(0x20, module));
   rack.power_on(Time{});
   auto session = std::make_unique<canopus::plc::melsec::Session>(rack);
   canopus::fuzz::converse(*session, {data + 2, size - 2}, 1U + data[1]);

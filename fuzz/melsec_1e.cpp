@@ -23,7 +23,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   canopus::can::Timeline timeline;
   canopus::fuzz::MemoryModule module;
   canopus::plc::Rack rack(timeline, model);
-  expect(rack.insert(0x20, module, timeline.add(module)));
+  timeline.add(module);
+  expect(rack.insert(0x20, module));
   rack.power_on(Time{});
   auto session = std::make_unique<melsec::Session>(rack, std::move(settings));
   canopus::fuzz::converse(*session, {data + 2, size - 2}, 1U + data[1]);

@@ -24,7 +24,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   canopus::can::Timeline timeline;
   canopus::fuzz::MemoryModule module;
   canopus::plc::Rack rack(timeline);
-  expect(rack.insert(0x20, module, timeline.add(module)));
+  timeline.add(module);
+  expect(rack.insert(0x20, module));
   rack.power_on(Time{});
   melsec::PasswordGuard guard;
   auto session = std::make_unique<melsec::Session>(rack, std::move(settings), &guard);

@@ -43,7 +43,6 @@ class MemoryModule final : public module::Module,
   void set_observer(module::ModuleObserver* /*observer*/) override {}
   void receive(const can::Frame& /*frame*/, can::Time /*now*/) override {}
   void tick(can::Time /*now*/) override {}
-  [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
 
  private:
   std::array<std::uint16_t, 3000> words_{};

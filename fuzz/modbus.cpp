@@ -22,7 +22,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   canopus::can::Timeline timeline;
   canopus::fuzz::MemoryModule module;
   canopus::plc::Rack rack(timeline);
-  expect(rack.insert(0x20, module, timeline.add(module)));
+  timeline.add(module);
+  expect(rack.insert(0x20, module));
   rack.power_on(Time{});
   modbus::Settings settings;
   switch (data[0] % 3) {

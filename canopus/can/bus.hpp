@@ -58,8 +58,8 @@ struct PortCounters {
 /// A controller plugged into the bus, and the participant behind it.
 class Port : public Controller {
  public:
-  /// The participant that hears this port. Its deadline is refreshed in the timeline after every call.
-  virtual void connect(Listener& participant, Timeline::Handle handle) = 0;
+  /// The participant that hears this port.
+  virtual void connect(Listener& participant) = 0;
   /// Nobody hears this port any more; the controller stays on the bus.
   virtual void disconnect() = 0;
   /// Unplugged: hears nothing, its frames wait. A controller that is plugged, switched on, restarted or added

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "canopus/can/alarm.hpp"
 #include "canopus/can/frame.hpp"
 #include "canopus/can/time.hpp"
 
@@ -67,29 +68,25 @@ class Listener {
   virtual ~Listener() = default;
   /// A frame of another node was received without error; `now` is the end of the frame.
   virtual void receive(const Frame& frame, Time now) = 0;
-  /// After receive(): whether it may want its next tick at another moment than before. Where not, a bus does not ask for it.
-  [[nodiscard]] virtual bool is_retimed() const noexcept { return true; }
   /// A frame this participant sent was acknowledged and is complete on the bus.
   virtual void transmitted(const Frame& /*frame*/, Time /*now*/) {}
-  /// Whether transmitted() may change when this participant wants its next tick; a constant. Where it may not, a bus does not ask.
-  [[nodiscard]] virtual bool is_timed_by_transmissions() const noexcept { return true; }
   /// The error state of this participant's controller, or a counter's way over the warning limit, changed.
   virtual void controller_changed(Time /*now*/) {}
 };
 
-/// Lives in time: says when it wants its next tick, and gets it.
+/// Lives in time: sets its alarm whenever it wants its next tick at another moment, and gets it.
 class Ticker {
  public:
+  Ticker() = default;
   virtual ~Ticker() = default;
-  /// The deadline has come (now >= deadline()).
+  /// The alarm is due (now >= deadline()).
   virtual void tick(Time now) = 0;
-  /// Earliest moment at which tick() is wanted; never = not at all. Valid until the next call of any other
-  /// member.
-  [[nodiscard]] virtual Time deadline() const noexcept = 0;
-  /// tick(), and then deadline(), for who has a tick for each frame: one call. `not_told`: deadline() is to be asked, unless
-  /// the participant has gone inside its tick.
-  virtual Time tick_and_tell(Time now);
-  static constexpr Time not_told = Time::min();
+  [[nodiscard]] Alarm& alarm() noexcept { return alarm_; }
+  /// Earliest moment at which tick() is wanted; never = not at all.
+  [[nodiscard]] Time deadline() const noexcept { return alarm_.deadline(); }
+
+ private:
+  Alarm alarm_;
 };
 
 /// Hears a bus and lives in time.

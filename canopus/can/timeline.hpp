@@ -6,12 +6,11 @@
 // A participant whose deadline does not pass, however often it gets its tick, would stop time for all others.
 // It is taken out after `most_ticks` of them at one moment, and reported by its name.
 //
-// What shares nothing may live in parts (add_part()): timelines of their own within one whole. The whole runs them
-// together, in the very order in which one timeline would tick everybody; or each part runs by itself for a while
-// (run_apart()), before or after the others or on another thread. What is said meanwhile is put into the one order
-// afterwards by the moment() at which it was said.
+// What shares nothing may live in partitions (add_partition()): timelines of their own within one whole. The whole runs them
+// together, in the very order in which one timeline would tick everybody; or each partition runs by itself for a while
+// (run_partition()), before or after the others or on another thread. What is reported meanwhile is put into the one order
+// afterwards by the stamp() at which it was reported.
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -21,17 +20,18 @@
 #include <vector>
 
 #include "canopus/can/controller.hpp"
+#include "canopus/can/winner_tree.hpp"
 
 namespace canopus::can {
 
-/// A place in the order of all ticks of a timeline and its parts: what one part does comes in this order, and no two
-/// parts ever have the same.
-struct Moment {
+/// A place in the order of all ticks of a timeline and its partitions: what one partition does comes in this order, and no two
+/// partitions ever have the same.
+struct TickStamp {
   Time time{};
   std::uint64_t order =
       0;  ///< of the participants that had their tick at this time so far: the last one in order
 
-  friend constexpr auto operator<=>(const Moment&, const Moment&) = default;
+  friend constexpr auto operator<=>(const TickStamp&, const TickStamp&) = default;
 };
 
 class Timeline {
@@ -39,14 +39,15 @@ class Timeline {
   using Handle = std::size_t;
 
   Timeline() = default;
+  ~Timeline();
   Timeline(const Timeline&) = delete;
   Timeline& operator=(const Timeline&) = delete;
 
   /// Who goes first at one and the same moment: nodes say what they want to send, then the bus arbitrates.
   enum class Rank : std::uint8_t { node, bus };
 
-  /// Adds a participant, which must outlive the timeline or be removed. Returns its handle. `name` is for
-  /// people, in errors; empty: its number. Throws std::length_error when there have been a million.
+  /// Ticks a participant from now on whenever its alarm is due, until it is removed or destroyed. Returns its handle. `name` is
+  /// for people, in errors; empty: its number. Throws std::length_error when there have been a million.
   Handle add(Ticker& participant, std::string name = {}, Rank rank = Rank::node);
   /// Takes a participant out for good; its handle is not used again.
   void remove(Handle handle);
@@ -63,116 +64,98 @@ class Timeline {
   /// Called at a stall, inside run_until(), which then goes on. Without a handler run_until() throws
   /// std::logic_error with the text.
   void set_stall_handler(std::function<void(const Stall&)> handler) { stall_handler_ = std::move(handler); }
-  /// Reads the participant's deadline again. To be called after anything but its tick() happened to it.
-  void refresh(Handle handle) {
-    if (const Ticker* participant = seats_[handle].participant; participant != nullptr)
-      retime(handle, participant->deadline());
-  }
   /// Earliest deadline of all.
   [[nodiscard]] Time next() const noexcept;
   /// What now is: the time of the last tick, or what run_until() was given.
   [[nodiscard]] Time now() const noexcept { return now_; }
   /// Where in the order of all ticks the present one is.
-  [[nodiscard]] Moment moment() const noexcept { return {now_, latest_}; }
+  [[nodiscard]] TickStamp stamp() const noexcept { return {now_, latest_}; }
   /// Inside run_until(); outside, whatever was due up to now() has had its tick.
   [[nodiscard]] bool is_running() const noexcept { return running_; }
   /// Ticks everything whose deadline is <= end, in order of time; then now() == end.
   void run_until(Time end);
 
-  /// A timeline whose participants never have to do with those of another part; it lives as long as this one. What belongs
-  /// to no part, such as clients that wait, is on this one itself. Equal deadlines tick in the order of add() over all.
-  Timeline& add_part();
+  /// A timeline whose participants never have to do with those of another partition; it lives as long as this one. What belongs
+  /// to none, such as clients that wait, is on this one itself. Equal deadlines tick in the order of add() over all.
+  Timeline& add_partition();
   /// 0: everybody is on this one.
-  [[nodiscard]] std::size_t part_count() const noexcept { return parts_.size(); }
-  [[nodiscard]] Timeline& part(std::size_t number) noexcept { return *parts_[number]; }
-  /// Of a part: ticks its participants up to `end`, without those of other parts. Threads may do this for one part each. All
-  /// parts must have come as far before anything else happens to them or to the whole: meet().
-  void run_apart(Time end);
-  /// Inside run_apart(): others may be before or behind.
-  [[nodiscard]] bool is_apart() const noexcept { return apart_; }
-  /// Of the whole: all parts have run apart up to `end`, which is before outside_next().
-  void meet(Time end) noexcept { now_ = end; }
-  /// Of the whole: earliest deadline of who belongs to no part.
+  [[nodiscard]] std::size_t partition_count() const noexcept { return partitions_.size(); }
+  [[nodiscard]] Timeline& partition(std::size_t number) noexcept { return *partitions_[number]; }
+  /// Of a partition: ticks its participants up to `end`, without those of others. Threads may do this for one partition each.
+  /// All must have come as far before anything else happens to them or to the whole: join_partitions().
+  void run_partition(Time end);
+  /// Inside run_partition(): others may be before or behind.
+  [[nodiscard]] bool runs_alone() const noexcept { return runs_alone_; }
+  /// Of the whole: all partitions have run up to `end`, which is before outside_next().
+  void join_partitions(Time end) noexcept { now_ = end; }
+  /// Of the whole: earliest deadline of who belongs to no partition.
   [[nodiscard]] Time outside_next() const noexcept { return first().deadline; }
 
  private:
+  friend class Alarm;
   /// What decides who is first.
   struct Place {
     Time deadline;
-    std::uint64_t order;  // rank (1 bit), number over all parts (31), handle (32)
+    std::uint64_t order;  // rank (1 bit), number over all partitions
 
-    [[nodiscard]] Handle handle() const noexcept { return order & 0xFFFF'FFFF; }
-    [[nodiscard]] bool is_bus() const noexcept { return order >> 63 != 0; }
     [[nodiscard]] bool before(const Place& other) const noexcept {
       return deadline != other.deadline ? deadline < other.deadline : order < other.order;
     }
   };
-  /// A node in its tournament, the lower one is first: its deadline, counted from base_ on, and its handle.
-  using Key = std::uint64_t;
-  static constexpr unsigned handle_bits = 20;
-  static constexpr Handle most_participants = 1'000'000;
-  static constexpr Key waits_for_nothing = ~Key{0};
-  /// From here on (4.9 hours) keys do not tell deadlines apart.
-  static constexpr std::uint64_t far = waits_for_nothing >> handle_bits;
-  /// The last one first: whoever is first of all goes and comes without moving others. Behind all is `nobody`, so that no
-  /// look at it, and no search, has to ask for its end.
-  using Queue = std::vector<Place>;
+  static constexpr Place nobody{never, ~std::uint64_t{0}};
+  static constexpr Handle no_handle = ~Handle{0};
+  struct Entry {
+    Ticker* participant;  // null: it has gone
+    std::uint64_t order;
+  };
+  /// The participants of one rank, in the order of add(), and the tree of their deadlines. A handle is a place in it, and the rank.
+  struct Queue {
+    std::vector<Entry> entries;
+    WinnerTree tree;
 
-  /// Who is first of all; with deadline never where there is nobody.
-  [[nodiscard]] const Place& first() const noexcept {
-    const Place& bus = buses_.back();
-    return first_node_.deadline <= bus.deadline ? first_node_ : bus;  // at one moment nodes go first
+    [[nodiscard]] Place first() const noexcept {
+      return tree.earliest() == never ? nobody : Place{tree.earliest(), entries[tree.winner()].order};
+    }
+  };
+  [[nodiscard]] static Handle handle_of(WinnerTree::Index index, Rank rank) noexcept {
+    return Handle{index} << 1 | static_cast<Handle>(rank);
   }
-  /// Somebody who belongs to no part is due before this.
+  [[nodiscard]] Queue& queue_of(Handle handle) noexcept { return (handle & 1) != 0 ? buses_ : nodes_; }
+  [[nodiscard]] static WinnerTree::Index index_of(Handle handle) noexcept {
+    return static_cast<WinnerTree::Index>(handle >> 1);
+  }
+
+  /// Who is first of all; with deadline never where there is nobody. At one moment nodes go first.
+  [[nodiscard]] Place first() const noexcept {
+    return buses_.tree.earliest() < nodes_.tree.earliest() ? buses_.first() : nodes_.first();
+  }
+  /// Somebody who belongs to no partition is due before this.
   [[nodiscard]] bool has_before(const Place& place) const noexcept { return first().before(place); }
   /// Ticks whatever is due until `end` and before `until`. The whole ticks one participant.
   void run(Time end, const Place& until);
-  Time run_bus(const Place& bus, Time last);
   void run_together(Time end);
-  void retime(Handle handle, Time deadline) noexcept {
-    const Seat& seat = seats_[handle];
-    if (deadline == seat.place.deadline && !seat.place.is_bus()) return;
-    move(seat.place, deadline);
+  void tick(Queue& queue, WinnerTree::Index index, Handle handle);
+  /// A participant's alarm was set. That of the one that has its tick is read after it.
+  void alarm_changed(Handle handle, Time deadline) noexcept {
+    if (handle != ticking_) queue_of(handle).tree.set(index_of(handle), deadline);
   }
-  void move(const Place& place, Time deadline) noexcept;
-  void move_inline(const Place& place, Time deadline) noexcept;
-  static void put_in(Queue& queue, const Place& place) noexcept;
-  static void take_out(Queue& queue, std::uint64_t order) noexcept;
-  void put_node(Handle handle, Time deadline) noexcept;
-  void take_first(Key key) noexcept;
-  void look_for_first(Key key) noexcept;
-  void play_anew(Time base) noexcept;
-  void make_players();
-  [[nodiscard]] std::size_t player(Handle handle) const noexcept { return players_ + handle; }
-  [[nodiscard]] Key key_of(Handle handle, Time deadline) const noexcept;
   /// Counts a tick that comes after too many at one moment. True: the participant has been taken out.
   bool is_stalled(Handle handle);
 
-  static constexpr Place nobody{never, ~std::uint64_t{0}};
-  struct Seat {
-    Ticker* participant;  // null: it has gone
-    Place place;          // of a bus: with deadline never
-  };
-  std::vector<Seat> seats_;  // by handle
-  Queue buses_{nobody};      // all: a bus's deadline changes with each frame
-  // Nodes play a tournament for who is first: behind the matches stand the players, by handle; match n is between 2 n and
-  // 2 n + 1, and match 1 the last one. A new deadline is played up to there, and no branch hangs on who wins. A bus, and who
-  // has gone, waits for nothing. When all are far, they play anew from the earliest deadline on.
-  std::size_t players_ = 1;                                          // room for so many
-  Time base_{};                                                      // no node's deadline is before it
-  std::vector<Key> first_of_{waits_for_nothing, waits_for_nothing};  // each match, and each player
-  Place first_node_ = nobody;
-  std::vector<std::pair<Handle, std::string>> names_;  // of those that have one, in order of handles
+  Queue nodes_;
+  Queue buses_;
+  Handle ticking_ = no_handle;
+  std::vector<std::pair<Handle, std::string>> names_;  // of those that have one
   std::function<void(const Stall&)> stall_handler_;
   Time now_{};
   std::uint64_t latest_ = 0;  // of the orders of those who had their tick at now_
   bool running_ = false;
-  bool apart_ = false;
+  bool runs_alone_ = false;
   // Ticks at now_, so that a participant without end is found.
   std::uint32_t ticks_ = 0;                  // of all
-  std::vector<std::uint32_t> ticks_by_one_;  // of each, once there are too many of all
-  Timeline* whole_ = nullptr;                // of a part
-  std::vector<std::unique_ptr<Timeline>> parts_;
+  std::vector<std::uint32_t> ticks_by_one_;  // of each, by handle, once there are too many of all
+  Timeline* whole_ = nullptr;                // of a partition
+  std::vector<std::unique_ptr<Timeline>> partitions_;
   std::uint32_t numbers_ = 0;  // given to participants, of the whole
 };
 

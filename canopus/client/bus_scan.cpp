@@ -108,6 +108,7 @@ class BusScan::NodeQuery final : public canopen::SdoClientUser {
 
 BusScan::BusScan(can::Sink& sink, std::uint8_t first, std::uint8_t last, can::Duration time_out)
     : sink_(&sink), first_(first), last_(last), next_(first), time_out_(time_out) {
+  alarm().add_part(phase_end_);
   for (unsigned id = 0; id < nodes_.size(); ++id) nodes_[id].node_id = static_cast<std::uint8_t>(id);
 }
 
@@ -117,6 +118,7 @@ void BusScan::start(can::Time now) {
   phase_ = Phase::asking;
   while (queries_.size() < nodes_at_a_time && next_ <= last_) {
     queries_.push_back(std::make_unique<NodeQuery>(*this, *sink_));
+    alarm().add_part(queries_.back()->client.alarm());
     next_node(*queries_.back(), now);
   }
 }
@@ -188,14 +190,6 @@ void BusScan::tick(can::Time now) {
     phase_ = Phase::finished;
     phase_end_ = can::never;
   }
-}
-
-can::Time BusScan::deadline() const noexcept {
-  can::Time earliest = phase_end_;
-  for (const auto& query : queries_) {
-    earliest = std::min(earliest, query->client.deadline());
-  }
-  return earliest;
 }
 
 }  // namespace canopus::client

@@ -54,7 +54,6 @@ class BusScan final : public can::Participant {
   // can::Participant
   void receive(const can::Frame& frame, can::Time now) override;
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override;
 
  private:
   class NodeQuery;
@@ -72,7 +71,7 @@ class BusScan final : public can::Participant {
   unsigned asked_ = 0;
   can::Duration time_out_;
   Phase phase_ = Phase::idle;
-  can::Time phase_end_ = can::never;
+  can::Alarm phase_end_;
   std::array<FoundNode, 128> nodes_{};
   std::vector<std::unique_ptr<NodeQuery>> queries_;
 };

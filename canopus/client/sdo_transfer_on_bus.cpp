@@ -91,6 +91,7 @@ SdoOnBus::SdoOnBus(BusLoop& bus, std::uint8_t node_id, can::Duration time_out, b
   // Who asks for blocks gets blocks. npm canopen 6 as a server takes the threshold for a part of the block
   // size.
   client_.set_switch_threshold(0);
+  alarm().add_part(client_.alarm());
   bus_.add(*this);
 }
 

@@ -61,7 +61,6 @@ class SdoOnBus final : public can::Participant, private canopen::SdoClientUser {
   // can::Participant
   void receive(const can::Frame& frame, can::Time now) override;
   void tick(can::Time now) override { client_.tick(now); }
-  [[nodiscard]] can::Time deadline() const noexcept override { return client_.deadline(); }
 
  private:
   void sdo_finished(canopen::SdoClient& client, can::Time now) override;

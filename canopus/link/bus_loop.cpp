@@ -68,12 +68,6 @@ void BusLoop::remove_listener(can::Listener& listener) {
   seats_.erase(seat);
 }
 
-void BusLoop::refresh() {
-  for (const Seat& seat : seats_) {
-    if (seat.handle) timeline_.refresh(*seat.handle);
-  }
-}
-
 void BusLoop::frame_received(const can::Frame& frame) {
   const can::Time time = now();
   for (std::size_t i = 0; i < seats_.size(); ++i) seats_[i].listener->receive(frame, time);
@@ -95,13 +89,11 @@ BusLoop::End BusLoop::run(const std::function<bool()>& done, can::Time end) {
     if (patient_) patient_->look(elapsed());
     if (io_.stopped()) io_.restart();
     poll_portion(io_, [this] { return interrupted_ || lost_; });
-    refresh();
     timeline_.run_until(time);
     if (done()) return End::done;
     if (lost_) return End::lost;
     if (interrupted_) return End::interrupted;
     if (time >= end) return End::time_over;
-    refresh();
     const can::Time next = std::min(timeline_.next(), end);
     if (next <= now()) continue;
     if (io_.stopped()) io_.restart();

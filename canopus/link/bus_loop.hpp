@@ -96,7 +96,6 @@ class BusLoop final : public can::Sink, private BusClientUser {
   void controller_changed(const ControllerStatus& status) override {
     if (status_listener_) status_listener_(status);
   }
-  void refresh();
   [[nodiscard]] can::Duration elapsed() const;
 
   struct Seat {

@@ -37,11 +37,6 @@ bool LinkedPort::send(const can::Frame& frame) {
   return true;
 }
 
-void LinkedPort::connect(can::Listener& participant, can::Timeline::Handle handle) {
-  participant_ = &participant;
-  handle_ = handle;
-}
-
 void LinkedPort::plug(bool plugged) {
   plugged_ = plugged;
   bus_.offer_changed();
@@ -100,14 +95,14 @@ LinkedBus::LinkedBus(std::string name, std::uint32_t bit_rate, can::Timeline& ti
     : name_(std::move(name)),
       bit_rate_(bit_rate),
       timeline_(timeline),
-      handle_(timeline.add(*this, name_, can::Timeline::Rank::bus)),
       client_(std::move(client)),
-      status_(client_->status()) {}
-
-LinkedBus::~LinkedBus() {
-  client_->set_user(nullptr);
-  timeline_.remove(handle_);
+      status_(client_->status()) {
+  alarm().add_part(hand_over_at_);
+  alarm().add_part(recover_at_);
+  timeline.add(*this, name_, can::Timeline::Rank::bus);
 }
+
+LinkedBus::~LinkedBus() { client_->set_user(nullptr); }
 
 void LinkedBus::start(LoopClock* clock, Report report) {
   clock_ = clock;
@@ -147,17 +142,13 @@ can::Time LinkedBus::arrive() {
 }
 
 void LinkedBus::leave() {
-  timeline_.refresh(handle_);
   if (!timeline_.is_running() && clock_ != nullptr) clock_->touched();
 }
 
 void LinkedBus::offer_changed() {
   if (hand_over_at_ != can::never || under_way_count_ == window) return;
   hand_over_at_ = timeline_.now();
-  timeline_.refresh(handle_);
 }
-
-can::Time LinkedBus::deadline() const noexcept { return std::min(hand_over_at_, recover_at_); }
 
 void LinkedBus::tick(can::Time now) {
   if (now >= hand_over_at_) {
@@ -249,10 +240,7 @@ void LinkedBus::completed(const can::Frame& frame, LinkedPort* sender, can::Time
                               : port->acceptance_.base[frame.identifier & can::max_base_identifier]) {
       ++port->counters_.received;
       port->participant_->receive(frame, now);
-    } else {
-      continue;
     }
-    timeline_.refresh(port->handle_);
   }
 }
 
@@ -309,7 +297,6 @@ void LinkedBus::tell_controllers(can::Time now) {
     if (!port->is_on() || port->participant_ == nullptr) continue;
     if (status_.state == can::ErrorState::bus_off) ++port->counters_.bus_offs;
     port->participant_->controller_changed(now);
-    timeline_.refresh(port->handle_);
   }
 }
 

@@ -31,7 +31,7 @@ class LinkedPort final : public can::Port {
   LinkedPort(LinkedBus& bus, std::string name);
 
   bool send(const can::Frame& frame) override;
-  void connect(can::Listener& participant, can::Timeline::Handle handle) override;
+  void connect(can::Listener& participant) override { participant_ = &participant; }
   void disconnect() override { participant_ = nullptr; }
   void plug(bool plugged) override;
   void set_power(bool on) override;
@@ -61,7 +61,6 @@ class LinkedPort final : public can::Port {
   LinkedBus& bus_;
   std::string name_;
   can::Listener* participant_ = nullptr;
-  can::Timeline::Handle handle_ = 0;
   can::Acceptance acceptance_;
   can::TransmitQueue queue_;
   can::PortCounters counters_;
@@ -114,7 +113,6 @@ class LinkedBus final : public can::Bus, public can::Ticker, private BusClientUs
   [[nodiscard]] const ControllerStatus& status() const noexcept { return status_; }
 
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override;
 
  private:
   friend class LinkedPort;
@@ -156,7 +154,6 @@ class LinkedBus final : public can::Bus, public can::Ticker, private BusClientUs
   std::string name_;
   std::uint32_t bit_rate_;
   can::Timeline& timeline_;
-  can::Timeline::Handle handle_;
   std::unique_ptr<BusClient> client_;
   LoopClock* clock_ = nullptr;
   Report report_;
@@ -169,8 +166,8 @@ class LinkedBus final : public can::Bus, public can::Ticker, private BusClientUs
   can::Time busy_until_{};
   can::Time stamp_{};  // of the last frame
   WallClock wall_clock_;
-  can::Time hand_over_at_ = can::never;
-  can::Time recover_at_ = can::never;
+  can::Alarm hand_over_at_;
+  can::Alarm recover_at_;
   bool is_started_ = false;
   bool is_lost_ = false;
   bool is_interrupted_ = false;  // it is tried again

@@ -45,7 +45,6 @@ void SocketcandServer::Client::on_read(const error_code& failure, std::size_t si
     session_.receive({input_.data(), size});
   }
   after_input(before, now);
-  attachment_->refresh();
   server_->clock.touched();
 }
 
@@ -54,7 +53,7 @@ void SocketcandServer::Client::client_is_gone(can::Time now) {
   if (gone_) return;
   gone_ = true;
   queued_ = std::min<std::size_t>(queued_, writing_ ? 1 : 0);
-  close_at_ = std::min(close_at_, can::later(now, server_->limits.linger));
+  close_at_.bring_forward(can::later(now, server_->limits.linger));
 }
 
 /// What the session made of its input decides what the connection does next.
@@ -216,7 +215,6 @@ void SocketcandServer::Client::on_written(const error_code& failure) {
   if (failure) {
     client_is_gone(server_->clock.now());
     if (server_ == nullptr) return;
-    attachment_->refresh();
     server_->clock.touched();
   }
   write_next();

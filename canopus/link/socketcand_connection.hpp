@@ -60,7 +60,9 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
         name_(name_of_peer(socket_)),
         session_(server.bus_name, *this, *this),
         queue_(std::max(server.limits.queue, 2 * reserved_for_answers)),
-        stall_(server.io) {}
+        stall_(server.io) {
+    for (can::Alarm* part : {&hold_until_, &close_at_, &look_at_}) alarm().add_part(*part);
+  }
 
   [[nodiscard]] bool attach() {
     attachment_ = server_->attach(*this);
@@ -89,9 +91,6 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   }
   void controller_changed(can::Time now) override { bus_has_room(now); }
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override {
-    return std::min({hold_until_, close_at_, look_at_});
-  }
 
  private:
   /// Queued text. Frames can be lost to a full queue and be held back; answers cannot.
@@ -149,19 +148,19 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   std::size_t queued_ = 0;
   bool writing_ = false;
   bool reading_ = false;
-  bool gone_ = false;                  // the client has closed; its last frames are still to go out
-  bool read_all_ = false;              // to the end of the connection
-  bool gave_up_ = false;               // frames are dropped until the bus takes one again
-  bool too_slow_ = false;              // read nothing for so long that its connection ends
-  bool leaving_ = false;               // leave() is about to come
-  std::uint64_t lost_ = 0;             // frames since there was room last
-  std::uint64_t written_ = 0;          // messages that its socket took
-  boost::asio::steady_timer stall_;    // runs while it is judged whether the client reads at all
-  std::uint32_t on_the_way_ = 0;       // frames given to the bus and not yet transmitted
-  can::Time hold_until_ = can::never;  // frames wait for this moment when it is not never
-  can::Time close_at_ = can::never;    // when to close whatever is still unsent
-  can::Time look_at_ = can::never;     // when to look after a client that waits for the bus
-  can::Time progress_at_{};            // when the bus took a frame last, or waiting began
+  bool gone_ = false;                // the client has closed; its last frames are still to go out
+  bool read_all_ = false;            // to the end of the connection
+  bool gave_up_ = false;             // frames are dropped until the bus takes one again
+  bool too_slow_ = false;            // read nothing for so long that its connection ends
+  bool leaving_ = false;             // leave() is about to come
+  std::uint64_t lost_ = 0;           // frames since there was room last
+  std::uint64_t written_ = 0;        // messages that its socket took
+  boost::asio::steady_timer stall_;  // runs while it is judged whether the client reads at all
+  std::uint32_t on_the_way_ = 0;     // frames given to the bus and not yet transmitted
+  can::Alarm hold_until_;            // frames wait for this moment when it is not never
+  can::Alarm close_at_;              // when to close whatever is still unsent
+  can::Alarm look_at_;               // when to look after a client that waits for the bus
+  can::Time progress_at_{};          // when the bus took a frame last, or waiting began
 };
 
 }  // namespace canopus::link

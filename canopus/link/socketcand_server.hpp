@@ -36,8 +36,6 @@ namespace canopus::link {
 class BusAttachment : public can::Sink {
  public:
   virtual ~BusAttachment() = default;
-  /// The client's deadline changed (Timeline::refresh).
-  virtual void refresh() = 0;
   /// The client's controller starts anew at this bit rate, bit/s; frames it has queued are gone. False: a bus where
   /// clients cannot do that.
   virtual bool restart(std::uint32_t /*bit_rate*/) { return false; }

@@ -24,14 +24,14 @@ bool LssMaster::begin(Service service, std::uint8_t expected) {
 bool LssMaster::single(const can::Frame& request, can::Time now) {
   if (!begin(Service::single, request.data[0])) return false;
   sink_->send(request);
-  deadline_ = can::later(now, options_.time_out);
+  alarm_ = can::later(now, options_.time_out);
   return true;
 }
 
 bool LssMaster::switch_global(bool configuration, can::Time now) {
   if (!begin(Service::unanswered, 0)) return false;
   sink_->send(lss::frame(lss::from_master, lss::command::switch_global, configuration ? 1 : 0));
-  deadline_ = can::later(now, options_.pause);
+  alarm_ = can::later(now, options_.pause);
   return true;
 }
 
@@ -39,7 +39,7 @@ bool LssMaster::activate_bit_timing(std::chrono::milliseconds delay, can::Time n
   if (!begin(Service::unanswered, 0)) return false;
   sink_->send(lss::frame(lss::from_master, lss::command::activate_bit_timing,
                          static_cast<std::uint32_t>(delay.count()) & 0xFFFF));
-  deadline_ = can::later(now, options_.pause);
+  alarm_ = can::later(now, options_.pause);
   return true;
 }
 
@@ -70,7 +70,7 @@ bool LssMaster::inquire_node_id(can::Time now) {
 bool LssMaster::identify_unconfigured(can::Time now) {
   if (!begin(Service::single, lss::command::unconfigured_identified)) return false;
   sink_->send(lss::frame(lss::from_master, lss::command::identify_unconfigured));
-  deadline_ = can::later(now, options_.time_out);
+  alarm_ = can::later(now, options_.time_out);
   return true;
 }
 
@@ -147,7 +147,7 @@ void LssMaster::send_step(can::Time now) {
   sink_->send(
       lss::frame(lss::from_master, static_cast<std::uint8_t>(first_command_ + step_), numbers_[step_]));
   ++step_;
-  deadline_ = can::later(now, step_ == steps_ ? options_.time_out : options_.pause);
+  alarm_ = can::later(now, step_ == steps_ ? options_.time_out : options_.pause);
 }
 
 bool LssMaster::fastscan(const LssAddress& known, const LssAddress& mask, can::Time now) {
@@ -176,7 +176,7 @@ void LssMaster::send_scan(can::Time now) {
   }
   answered_ = false;
   sink_->send(frame);
-  deadline_ = can::later(now, options_.time_out);
+  alarm_ = can::later(now, options_.time_out);
 }
 
 /// The next bit of this part that is to be asked for, of those below `bit`; the confirmation when there is none.
@@ -232,8 +232,8 @@ void LssMaster::receive(const can::Frame& frame, can::Time now) {
 }
 
 void LssMaster::tick(can::Time now) {
-  if (deadline_ > now) return;
-  deadline_ = can::never;
+  if (alarm_ > now) return;
+  alarm_ = can::never;
   switch (service_) {
     case Service::none: return;
     case Service::unanswered: return finish(LssResult::done, now);
@@ -250,7 +250,7 @@ void LssMaster::tick(can::Time now) {
 
 void LssMaster::cancel() noexcept {
   service_ = Service::none;
-  deadline_ = can::never;
+  alarm_ = can::never;
 }
 
 void LssMaster::finish(LssResult result, can::Time now) {

@@ -89,7 +89,8 @@ class LssMaster {
 
   void receive(const can::Frame& frame, can::Time now);
   void tick(can::Time now);
-  [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
+  [[nodiscard]] can::Time deadline() const noexcept { return alarm_.deadline(); }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
 
  private:
   enum class Service : std::uint8_t { none, unanswered, single, sequence, fastscan, slow_scan };
@@ -128,7 +129,7 @@ class LssMaster {
   std::uint32_t value_ = 0;
   std::uint8_t error_ = 0;
   std::uint8_t specific_error_ = 0;
-  can::Time deadline_ = can::never;
+  can::Alarm alarm_;
 };
 
 }  // namespace canopus::lss

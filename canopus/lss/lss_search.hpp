@@ -40,7 +40,10 @@ class LssSearch final : private LssMasterUser {
 
   LssSearch(can::Sink& sink, LssSearchUser& user) : LssSearch(sink, user, Options{}) {}
   LssSearch(can::Sink& sink, LssSearchUser& user, Options options)
-      : user_(&user), options_(options), master_(sink, *this, {.time_out = options.time_out}) {}
+      : user_(&user), options_(options), master_(sink, *this, {.time_out = options.time_out}) {
+    alarm_.add_part(deadline_);
+    alarm_.add_part(master_.alarm());
+  }
 
   /// False while running(). `own_bit_rate` must be one of table 0, or 100 kbit/s, which had index 5 before
   /// that was reserved: it is tried; a device without it refuses it.
@@ -56,7 +59,8 @@ class LssSearch final : private LssMasterUser {
 
   void receive(const can::Frame& frame, can::Time now) { master_.receive(frame, now); }
   void tick(can::Time now);
-  [[nodiscard]] can::Time deadline() const noexcept { return std::min(deadline_, master_.deadline()); }
+  [[nodiscard]] can::Time deadline() const noexcept { return alarm_.deadline(); }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
 
  private:
   enum class State : std::uint8_t {
@@ -92,7 +96,8 @@ class LssSearch final : private LssMasterUser {
   std::uint32_t bit_rate_ = 0;
   unsigned next_index_ = 0;
   bool found_ = false;
-  can::Time deadline_ = can::never;
+  can::Alarm alarm_;  // with the master's
+  can::Alarm deadline_;
 };
 
 }  // namespace canopus::lss

@@ -22,7 +22,7 @@ void LssSlave::start(std::uint8_t node_id, std::uint32_t bit_rate) noexcept {
   state_ = State::waiting;
   switching_ = Switching::no;
   selected_parts_ = identified_parts_ = fastscan_part_ = 0;
-  deadline_ = can::never;
+  alarm_ = can::never;
 }
 
 void LssSlave::answer(std::uint8_t command, std::uint32_t value) {
@@ -131,7 +131,7 @@ void LssSlave::configure(const can::Frame& frame, can::Time now) {
     case lss::command::activate_bit_timing:
       switch_delay_ = std::chrono::milliseconds(can::load_as<std::uint16_t>(&frame.data[1]));
       switching_ = Switching::before;
-      deadline_ = can::later(now, switch_delay_);
+      alarm_ = can::later(now, switch_delay_);
       return;
     case lss::command::store:
       return answer(command, static_cast<std::uint32_t>(user_->store(pending_node_id_, pending_bit_rate_)));
@@ -145,13 +145,13 @@ void LssSlave::configure(const can::Frame& frame, can::Time now) {
 }
 
 void LssSlave::tick(can::Time now) {
-  if (deadline_ > now) return;
-  deadline_ = can::never;
+  if (alarm_ > now) return;
+  alarm_ = can::never;
   switch (switching_) {
     case Switching::no: return;
     case Switching::before:
       switching_ = Switching::after;
-      deadline_ = can::later(now, switch_delay_);
+      alarm_ = can::later(now, switch_delay_);
       bit_rate_ = pending_bit_rate_;
       user_->change_bit_rate(bit_rate_, now);
       return;

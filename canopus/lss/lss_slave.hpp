@@ -41,7 +41,8 @@ class LssSlave {
   void start(std::uint8_t node_id, std::uint32_t bit_rate) noexcept;
   void receive(const can::Frame& frame, can::Time now);
   void tick(can::Time now);
-  [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
+  [[nodiscard]] can::Time deadline() const noexcept { return alarm_.deadline(); }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
 
   [[nodiscard]] State state() const noexcept { return state_; }
   /// The node-ID that is in force after the next reset communication.
@@ -74,7 +75,7 @@ class LssSlave {
   std::uint8_t identified_parts_ = 0;  // of 46H..4BH
   std::uint8_t fastscan_part_ = 0;
   can::Duration switch_delay_{};
-  can::Time deadline_ = can::never;
+  can::Alarm alarm_;
 };
 
 }  // namespace canopus::lss

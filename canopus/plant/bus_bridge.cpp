@@ -16,7 +16,8 @@ constexpr std::size_t queued_frames = 1024;
 BusBridge::Side::Side(BusBridge& bridge, can::Bus& bus, can::Timeline& timeline)
     : bridge_(bridge), bus_(bus.name()), port_(bus.add_port("bridge")) {
   port_.set_transmit_queue(can::TransmitOrder::identifier, queued_frames);
-  port_.connect(*this, timeline.add(*this, fmt::format("bridge on {}", bus.name())));
+  timeline.add(*this, fmt::format("bridge on {}", bus.name()));
+  port_.connect(*this);
 }
 
 BusBridge::BusBridge(can::Bus& from, can::Bus& to, const BridgeSection& section, can::Timeline& timeline,

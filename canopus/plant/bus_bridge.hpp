@@ -26,7 +26,6 @@ class BusBridge {
     void send_to(Side& other) { other_ = &other; }
     void receive(const can::Frame& frame, can::Time now) override;
     void tick(can::Time) override {}
-    [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
 
    private:
     BusBridge& bridge_;

@@ -30,6 +30,8 @@ DeviceSeat::DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const Device
   status_.label = {section.bus, name_, node_id};
   device_.set_listener(this);
   device_.set_force_listener(this);
+  alarm().add_part(device_.alarm());
+  alarm() = start_;
   if (section.start > can::Duration{}) port.set_power(false);
 }
 
@@ -65,6 +67,7 @@ DeviceSeat::InitialNode DeviceSeat::initial_node() {
 void DeviceSeat::power_on(can::Time now) {
   if (now < start_ || is_unplugged_) return;
   status_.is_on = true;
+  alarm().cancel();
   port_.set_power(true);
   bit_rate_ = port_.bit_rate();
   device_.power_on(now);
@@ -73,6 +76,8 @@ void DeviceSeat::power_on(can::Time now) {
 
 void DeviceSeat::unplug() {
   is_unplugged_ = true;
+  alarm().cancel();
+  alarm().remove_part(device_.alarm());
   device_.power_off();
   port_.set_power(false);
   status_.is_on = false;
@@ -81,6 +86,8 @@ void DeviceSeat::unplug() {
 
 void DeviceSeat::plug_in(can::Time now) {
   is_unplugged_ = false;
+  alarm().add_part(device_.alarm());
+  alarm() = start_;
   power_on(now);
 }
 
@@ -103,11 +110,6 @@ void DeviceSeat::tick(can::Time now) {
   if (!status_.is_on && start_ <= now) return power_on(now);
   device_.tick(now);
   if (status_.is_on) look(now);
-}
-
-can::Time DeviceSeat::tick_and_tell(can::Time now) {
-  DeviceSeat::tick(now);
-  return DeviceSeat::deadline();
 }
 
 ForcedObject DeviceSeat::forced_object(const canopen::Entry& entry, can::Time until) const {

@@ -49,14 +49,8 @@ class DeviceSeat final : public can::Participant, private canopen::NodeListener,
   void plug_in(can::Time now);
   void receive(const can::Frame& frame, can::Time now) override;
   void transmitted(const can::Frame& frame, can::Time now) override;
-  [[nodiscard]] bool is_timed_by_transmissions() const noexcept override { return false; }
   void controller_changed(can::Time now) override;
   void tick(can::Time now) override;
-  can::Time tick_and_tell(can::Time now) override;
-  can::Time deadline() const noexcept override {
-    if (is_unplugged_) return can::never;
-    return status_.is_on ? device_.deadline() : std::min(start_, device_.deadline());
-  }
 
  private:
   // NodeListener, unless the device is an LSS slave, which does this by itself.

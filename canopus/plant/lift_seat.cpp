@@ -6,28 +6,27 @@ namespace canopus::plant {
 
 LiftSeat::LiftSeat(const LiftSection& section, sim::lift::BuildingSettings settings, can::Timeline& timeline,
                    PlantObserver& observer)
-    : section_(&section), timeline_(&timeline), observer_(&observer), building_(std::move(settings)) {
+    : section_(&section), observer_(&observer), building_(std::move(settings)) {
   building_.connect(this, this);
   timeline.add(building_, "lift on " + section.bus);
 }
 
-void LiftSeat::add_unit(DeviceSeat& seat, can::Timeline::Handle handle) {
+void LiftSeat::add_unit(DeviceSeat& seat) {
   seat.device().set_application(building_.application(units_.size()));
-  units_.push_back({&seat, handle});
+  units_.push_back(&seat);
 }
 
 // With a mistake elsewhere a plant may lack devices; it is not started then.
 void LiftSeat::unit_touched(std::size_t unit) {
-  if (unit < units_.size()) timeline_->refresh(units_[unit].handle);
+  if (unit < units_.size()) units_[unit]->device().application_changed();
 }
 
 void LiftSeat::unit_plugged(std::size_t unit, bool plugged, can::Time now) {
   if (plugged) {
-    units_[unit].seat->plug_in(now);
+    units_[unit]->plug_in(now);
   } else {
-    units_[unit].seat->unplug();
+    units_[unit]->unplug();
   }
-  timeline_->refresh(units_[unit].handle);
 }
 
 void LiftSeat::lift_event(const sim::lift::LiftEvent& event) {

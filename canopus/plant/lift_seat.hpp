@@ -25,7 +25,7 @@ class LiftSeat final : private sim::lift::LiftDevices, private sim::lift::LiftOb
     return sim::lift::device_file(building_.units()[unit]);
   }
   /// The device of the next unit. To be called for all of them before power_on().
-  void add_unit(DeviceSeat& seat, can::Timeline::Handle handle);
+  void add_unit(DeviceSeat& seat);
   /// Hears everything, too, from now on; must outlive the plant's run.
   void set_listener(sim::lift::LiftObserver* listener) noexcept { listener_ = listener; }
 
@@ -35,16 +35,11 @@ class LiftSeat final : private sim::lift::LiftDevices, private sim::lift::LiftOb
   void lift_event(const sim::lift::LiftEvent& event) override;
   void car_moved(std::uint8_t lift, double position, double door, can::Time now) override;
 
-  struct Seated {
-    DeviceSeat* seat = nullptr;
-    can::Timeline::Handle handle = 0;
-  };
   const LiftSection* section_;
-  can::Timeline* timeline_;
   PlantObserver* observer_;
   sim::lift::LiftObserver* listener_ = nullptr;
   sim::lift::Building building_;
-  std::vector<Seated> units_;
+  std::vector<DeviceSeat*> units_;
 };
 
 }  // namespace canopus::plant

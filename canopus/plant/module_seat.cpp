@@ -60,6 +60,10 @@ ModuleSeat::ModuleSeat(const ModuleSection& section, std::string_view plc, plc::
   watched_.resize(section.watch.size());
   module_->set_observer(this);
   rack_.add_listener(*this);
+  for (can::Alarm* part :
+       {&module_->alarm(), &program_.alarm(), &exchange_watch_.alarm(), &next_fault_, &after_stop_due_}) {
+    alarm().add_part(*part);
+  }
 }
 
 void ModuleSeat::collect_boots(std::vector<SlaveBoot>& all) const {
@@ -148,11 +152,9 @@ std::string ModuleSeat::not_started() const {
 }
 
 void ModuleSeat::receive(const can::Frame& frame, can::Time now) {
-  using Heard = module::CommunicationModule::Heard;
-  const Heard heard = module_->hear(frame, now);
-  const bool looks = heard == Heard::news || !watched_.empty();
-  is_retimed_ = looks || heard == Heard::time;
-  if (looks) look(now);
+  module_->receive(frame, now);
+  // Most frames on a bus carry process data, and then there is nothing to look for.
+  if (module_->change_count() != changes_seen_ || !watched_.empty()) look(now);
 }
 
 void ModuleSeat::transmitted(const can::Frame& frame, can::Time now) {
@@ -175,13 +177,6 @@ void ModuleSeat::tick(can::Time now) {
   exchange_watch_.tick(now);
   if (after_stop_due_ <= now) look_after_stop(now);
   look(now);
-}
-
-can::Time ModuleSeat::deadline() const noexcept {
-  can::Time next = std::min(next_fault_, after_stop_due_);
-  next = std::min(next, module_->deadline());
-  next = std::min(next, program_.deadline());
-  return std::min(next, exchange_watch_.deadline());
 }
 
 void ModuleSeat::signal_changed(module::SignalKind kind, unsigned number, bool on, can::Time now) {
@@ -223,6 +218,7 @@ void ModuleSeat::module_error(const module::ModuleErrorRecord& record) {
 void ModuleSeat::error_raised(std::string_view what, can::Time now) { observer_.error(name_, what, now); }
 
 void ModuleSeat::look(can::Time now) {
+  changes_seen_ = module_->change_count();
   program_.look(now);
   exchange_watch_.look(now);
   if (const auto text = exchange_watch_.take_report()) report(*text, now);

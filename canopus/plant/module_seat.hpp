@@ -51,11 +51,9 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver,
   void cpu_paused(bool paused, can::Time now) override;
 
   void receive(const can::Frame& frame, can::Time now) override;
-  [[nodiscard]] bool is_retimed() const noexcept override { return is_retimed_; }
   void transmitted(const can::Frame& frame, can::Time now) override;
   void controller_changed(can::Time now) override;
   void tick(can::Time now) override;
-  can::Time deadline() const noexcept override;
 
   void signal_changed(module::SignalKind kind, unsigned number, bool on, can::Time now) override;
   void buffer_written(std::uint32_t address, std::uint16_t value, can::Time now) override;
@@ -95,15 +93,15 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver,
   plc::ExchangeWatch exchange_watch_;
   PlantObserver& observer_;
   NodeStatus status_;
-  bool is_retimed_ = true;  // by the latest frame
+  std::uint64_t changes_seen_ = 0;  // of the module
   std::vector<std::uint16_t> watched_;
   // Signals that are ON for the built-in program's data exchange.
   std::uint32_t own_inputs_ = 0;
   std::uint32_t own_outputs_ = 0;
   std::array<BootSeen, 128> boots_seen_{};
-  can::Time next_fault_ = can::never;
+  can::Alarm next_fault_;
   AfterStop after_stop_ = AfterStop::nothing;
-  can::Time after_stop_due_ = can::never;
+  can::Alarm after_stop_due_;
   can::Time out_of_operation_since_{};
 };
 

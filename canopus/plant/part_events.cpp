@@ -25,8 +25,8 @@ std::string kept(std::string_view text) { return std::string(text); }
 
 template <typename... Parameters, typename... Arguments>
 void PartEvents::pass(void (PlantObserver::*event)(Parameters...), const Arguments&... arguments) {
-  if (!timeline_.is_apart()) return (observer_.*event)(arguments...);
-  held_.push_back({timeline_.moment(), [event, ... copies = kept(arguments)](PlantObserver& observer) {
+  if (!timeline_.runs_alone()) return (observer_.*event)(arguments...);
+  held_.push_back({timeline_.stamp(), [event, ... copies = kept(arguments)](PlantObserver& observer) {
                      (observer.*event)(copies...);
                    }});
 }
@@ -37,7 +37,7 @@ void PartEvents::release(std::span<const std::unique_ptr<PartEvents>> parts) {
     std::ranges::move(part->held_, std::back_inserter(all));
     part->held_.clear();
   }
-  std::ranges::stable_sort(all, {}, &Held::moment);
+  std::ranges::stable_sort(all, {}, &Held::stamp);
   for (const Held& held : all) held.event(parts.front()->observer_);
 }
 

@@ -48,7 +48,7 @@ class PartEvents final : public PlantObserver {
 
  private:
   struct Held {
-    can::Moment moment;
+    can::TickStamp stamp;
     std::function<void(PlantObserver&)> event;
   };
   /// Nothing is copied, and no memory taken, for an event that is handed on at once.

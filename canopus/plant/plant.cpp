@@ -32,7 +32,6 @@ void Plant::power_on() {
   const can::Time now = parts_->timeline.now();
   for (std::size_t i = 0; i < parts_->devices.size(); ++i) {
     parts_->devices[i]->power_on(now);
-    device_touched(i);
   }
   for (std::size_t i = 0; i < parts_->racks.size(); ++i) {
     parts_->racks[i]->power_on(now,
@@ -40,7 +39,6 @@ void Plant::power_on() {
   }
   for (std::size_t i = 0; i < parts_->cpu_errors.size(); ++i) {
     parts_->cpu_errors[i]->powered(now);
-    parts_->cpu_error_timelines[i]->refresh(parts_->cpu_error_handles[i]);
   }
 }
 
@@ -52,7 +50,7 @@ PlantObserver& Plant::observer_of_bus(std::size_t number) noexcept {
   return *parts_->events[parts_->division.buses[number]];
 }
 void Plant::parts_met(can::Time now) {
-  parts_->timeline.meet(now);
+  parts_->timeline.join_partitions(now);
   PartEvents::release(parts_->events);
 }
 const std::string& Plant::name() const noexcept { return parts_->file.name; }
@@ -69,9 +67,6 @@ const std::vector<std::string>& Plant::connections() const noexcept { return par
 
 std::size_t Plant::device_count() const noexcept { return parts_->devices.size(); }
 DeviceSeat& Plant::device(std::size_t number) noexcept { return *parts_->devices[number]; }
-void Plant::device_touched(std::size_t number) {
-  parts_->device_timelines[number]->refresh(parts_->device_handles[number]);
-}
 
 std::size_t Plant::lift_count() const noexcept { return parts_->lifts.size(); }
 LiftSeat& Plant::lift(std::size_t number) noexcept { return *parts_->lifts[number]; }

@@ -212,7 +212,7 @@ class Plant {
   void power_on();
 
   /// Of the whole. Parts of a plant that share nothing (buses that no rack and no bridge joins) are parts of it
-  /// (can::Timeline::add_part), and may run apart up to a moment; then parts_met() is due.
+  /// (can::Timeline::add_partition), and may run apart up to a moment; then parts_met() is due.
   [[nodiscard]] can::Timeline& timeline() noexcept;
   /// That who is on this bus lives on: its part's.
   [[nodiscard]] can::Timeline& timeline_of_bus(std::size_t number) noexcept;
@@ -235,8 +235,6 @@ class Plant {
   /// The simulated devices, in the plant file's order.
   [[nodiscard]] std::size_t device_count() const noexcept;
   [[nodiscard]] DeviceSeat& device(std::size_t number) noexcept;
-  /// A device was accessed: its deadline may be another one.
-  void device_touched(std::size_t number);
   /// The lifts, in the plant file's order.
   [[nodiscard]] std::size_t lift_count() const noexcept;
   [[nodiscard]] LiftSeat& lift(std::size_t number) noexcept;

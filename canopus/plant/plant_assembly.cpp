@@ -61,14 +61,11 @@ std::vector<text::FileError> Assembly::run() {
     }
     if (const auto after = parts_.file.plcs[i].cpu_error) {
       parts_.cpu_errors.push_back(std::make_unique<CpuErrorTimer>(*parts_.racks[i], *after));
-      parts_.cpu_error_handles.push_back(
-          timeline.add(*parts_.cpu_errors.back(), "CPU of " + parts_.file.plcs[i].name));
-      parts_.cpu_error_timelines.push_back(&timeline);
+      timeline.add(*parts_.cpu_errors.back(), "CPU of " + parts_.file.plcs[i].name);
     }
   }
   for (std::size_t i = 0; i < parts_.modules.size(); ++i) {
-    add_parameters(parts_.modules[i]->section(), module_plcs_[i], parts_.modules[i]->module(),
-                   parts_.module_handles[i]);
+    add_parameters(parts_.modules[i]->section(), module_plcs_[i], parts_.modules[i]->module());
   }
   for (const auto& seat : parts_.modules) add_download(seat->section(), seat->module());
   for (const auto& master : parts_.modules) {
@@ -305,10 +302,9 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   move_values(section, number, *seat);
   for (const PlaybackSection& playback : section.playbacks) play_back(playback, seat->device());
   errors_.add(add_scripts(seat->device(), section.scripts));
-  parts_.device_handles.push_back(timeline_of(section.bus).add(*seat));
-  parts_.device_timelines.push_back(&timeline_of(section.bus));
-  if (section.lift) parts_.lifts[section.lift->lift]->add_unit(*seat, parts_.device_handles.back());
-  port.connect(*seat, parts_.device_handles.back());
+  timeline_of(section.bus).add(*seat);
+  if (section.lift) parts_.lifts[section.lift->lift]->add_unit(*seat);
+  port.connect(*seat);
   watch(bus).know(seat->status(), port);
   seat->set_watch(watch(bus));
   device_sections_.emplace_back(&section, seat.get());
@@ -353,10 +349,9 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
   errors_.add(preset_words(module, *entry.data_sheet, section, *bus_section));
   errors_.add(preset_objects(module, section));
   errors_.add(give_parameters(module, section));
-  parts_.module_handles.push_back(
-      timeline_of(section.bus).add(*seat, fmt::format("{} on {}", port.name(), bus.name())));
-  port.connect(*seat, parts_.module_handles.back());
-  if (!parts_.racks[plc_number]->insert(section.head, module, parts_.module_handles.back())) {
+  timeline_of(section.bus).add(*seat, fmt::format("{} on {}", port.name(), bus.name()));
+  port.connect(*seat);
+  if (!parts_.racks[plc_number]->insert(section.head, module)) {
     errors_.add(section.place, "module: head {:03X}H overlaps another module's points", section.head);
   }
   seat->status().label.node_id = section.node;

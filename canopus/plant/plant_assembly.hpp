@@ -80,7 +80,7 @@ class Assembly {
   static std::optional<WantedSlave> wanted_slave(const ModuleSection& master, const NodeLabel& node);
   /// Concise DCFs of the other nodes' settings, and the CPU's refresh.
   void add_parameters(const ModuleSection& section, std::size_t plc_number,
-                      module::CommunicationModule& module, can::Timeline::Handle handle);
+                      module::CommunicationModule& module);
   /// A node that a section of the plant file is about.
   struct WantedNode {
     text::Place place{};

@@ -119,7 +119,7 @@ const canopen::DictionaryDescription* Assembly::dictionary_of(const ModuleSectio
 }
 
 void Assembly::add_parameters(const ModuleSection& section, std::size_t plc_number,
-                              module::CommunicationModule& module, can::Timeline::Handle handle) {
+                              module::CommunicationModule& module) {
   if (!section.parameters || !module.takes_parameters()) return;
   for (const ParametersSection::Node& node : section.parameters->nodes) {
     if (node.node == section.node) {
@@ -176,7 +176,7 @@ void Assembly::add_parameters(const ModuleSection& section, std::size_t plc_numb
     }
   }
   parts_.refreshes.push_back(std::make_unique<plc::ModuleRefresh>(
-      *parts_.racks[plc_number], timeline_of(section.bus), section.head, module, handle, std::move(blocks),
+      *parts_.racks[plc_number], timeline_of(section.bus), section.head, module, std::move(blocks),
       std::move(timing), "refresh of " + shown_name(section)));
 }
 

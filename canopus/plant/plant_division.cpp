@@ -80,7 +80,7 @@ void Assembly::divide() {
   };
   report_stalls(parts_.timeline, observer_);
   for (std::size_t part = 0; part < std::max<std::size_t>(1, parts_.division.count); ++part) {
-    can::Timeline& timeline = parts_.division.count < 2 ? parts_.timeline : parts_.timeline.add_part();
+    can::Timeline& timeline = parts_.division.count < 2 ? parts_.timeline : parts_.timeline.add_partition();
     parts_.events.push_back(std::make_unique<PartEvents>(observer_, timeline));
     if (&timeline != &parts_.timeline) report_stalls(timeline, *parts_.events.back());
   }

@@ -36,17 +36,12 @@ struct Plant::Parts {
   std::vector<std::unique_ptr<BusWatch>> watches;
   std::vector<std::unique_ptr<LiftSeat>> lifts;
   std::vector<std::unique_ptr<DeviceSeat>> devices;
-  std::vector<can::Timeline::Handle> device_handles;
-  std::vector<can::Timeline*> device_timelines;  // of each device
-  std::vector<const can::Port*> device_ports;    // of each device
+  std::vector<const can::Port*> device_ports;  // of each device
   std::vector<std::unique_ptr<ModuleSeat>> modules;
-  std::vector<can::Timeline::Handle> module_handles;
   std::vector<const can::Port*> module_ports;  // of each module
   std::vector<std::unique_ptr<plc::Rack>> racks;
   std::vector<std::unique_ptr<plc::ModuleRefresh>> refreshes;
   std::vector<std::unique_ptr<CpuErrorTimer>> cpu_errors;
-  std::vector<can::Timeline::Handle> cpu_error_handles;
-  std::vector<can::Timeline*> cpu_error_timelines;
   std::vector<std::unique_ptr<LoadReport>> load_reports;
   std::vector<std::string> connections;
   std::vector<text::FileWarning> warnings;
@@ -55,7 +50,7 @@ struct Plant::Parts {
 
   /// Of a part. A plant that is one part is on the timeline of the whole.
   can::Timeline& timeline_of(std::size_t part) {
-    return timeline.part_count() == 0 ? timeline : timeline.part(part);
+    return timeline.partition_count() == 0 ? timeline : timeline.partition(part);
   }
 
   can::Bus& bus(std::string_view name) {

@@ -15,33 +15,32 @@ class CpuErrorTimer final : public can::Ticker {
   CpuErrorTimer(plc::Rack& rack, can::Duration after) : rack_(rack), after_(after) {}
 
   /// The rack has been switched on.
-  void powered(can::Time now) { at_ = can::later(now, after_); }
+  void powered(can::Time now) { alarm() = can::later(now, after_); }
   void tick(can::Time now) override {
-    at_ = can::never;
+    alarm().cancel();
     rack_.fail_cpu(now);
   }
-  can::Time deadline() const noexcept override { return at_; }
 
  private:
   plc::Rack& rack_;
   can::Duration after_;
-  can::Time at_ = can::never;
 };
 
 /// Reports the load of a bus once a second.
 class LoadReport final : public can::Ticker {
  public:
-  LoadReport(const can::Bus& bus, PlantObserver& observer) : bus_(bus), observer_(observer) {}
+  LoadReport(const can::Bus& bus, PlantObserver& observer) : bus_(bus), observer_(observer) {
+    alarm() = can::Time{} + period;
+  }
   void tick(can::Time now) override {
     observer_.load(bus_.name(), bus_.load(now), now);
-    next_ += std::chrono::seconds(1);
+    alarm() = deadline() + period;
   }
-  can::Time deadline() const noexcept override { return next_; }
 
  private:
   const can::Bus& bus_;
+  static constexpr can::Duration period = std::chrono::seconds(1);
   PlantObserver& observer_;
-  can::Time next_ = can::Time{} + std::chrono::seconds(1);
 };
 
 }  // namespace canopus::plant

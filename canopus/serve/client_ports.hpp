@@ -19,18 +19,14 @@ namespace canopus::serve {
 /// its places, so those of clients that left are used again.
 class ClientPort final : public can::Participant, private can::BusObserver {
  public:
-  ClientPort(can::Bus& bus, can::Timeline& timeline)
-      : bus_(bus),
-        timeline_(timeline),
-        handle_(timeline.add(*this, "socketcand client")),
-        port_(bus.add_port("socketcand")) {
-    port_.connect(*this, handle_);
+  ClientPort(can::Bus& bus, can::Timeline& timeline) : bus_(bus), port_(bus.add_port("socketcand")) {
+    timeline.add(*this, "socketcand client");
+    port_.connect(*this);
     bus_.add_observer(*this);
   }
   ~ClientPort() override {
     bus_.remove_observer(*this);
     port_.disconnect();
-    timeline_.remove(handle_);
   }
   ClientPort(const ClientPort&) = delete;
   ClientPort& operator=(const ClientPort&) = delete;
@@ -41,18 +37,17 @@ class ClientPort final : public can::Participant, private can::BusObserver {
     port_.set_transmit_queue(can::TransmitOrder::fifo,
                              queued_frames);  // as sent, and nothing of an earlier client
     port_.plug(true);
-    refresh();
+    alarm().add_part(client.alarm());
   }
   void leave() {
     port_.abort_transmissions();
     port_.plug(false);
+    alarm().remove_part(client_->alarm());
     client_ = nullptr;
     if (port_.bit_rate() != bus_.bit_rate()) port_.restart(bus_.bit_rate());
-    refresh();
   }
   bool send(const can::Frame& frame) { return port_.send(frame); }
   void restart(std::uint32_t bit_rate) { port_.restart(bit_rate); }
-  void refresh() { timeline_.refresh(handle_); }
 
   void receive(const can::Frame& frame, can::Time now) override {
     if (client_ != nullptr) client_->receive(frame, now);
@@ -65,9 +60,6 @@ class ClientPort final : public can::Participant, private can::BusObserver {
   }
   void tick(can::Time now) override {
     if (client_ != nullptr) client_->tick(now);
-  }
-  [[nodiscard]] can::Time deadline() const noexcept override {
-    return client_ == nullptr ? can::never : client_->deadline();
   }
 
  private:
@@ -97,11 +89,9 @@ class ClientPort final : public can::Participant, private can::BusObserver {
 
   static constexpr std::size_t queued_frames = 128;
   std::uint32_t last_class_ = 0;
-  link::AttachedClient* client_ = nullptr;  // before what adds this to the timeline
+  link::AttachedClient* client_ = nullptr;
   plant::Unacknowledged unacknowledged_;
   can::Bus& bus_;
-  can::Timeline& timeline_;
-  can::Timeline::Handle handle_;
   can::Port& port_;
 };
 
@@ -136,7 +126,6 @@ class ClientPorts {
     Attachment& operator=(const Attachment&) = delete;
 
     bool send(const can::Frame& frame) override { return port_->send(frame); }
-    void refresh() override { port_->refresh(); }
     bool restart(std::uint32_t bit_rate) override {
       if (own_bit_rate_) port_->restart(bit_rate);
       return own_bit_rate_;

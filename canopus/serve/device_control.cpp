@@ -209,7 +209,6 @@ Result<Json> Request::set() {
     until = can::later(now(), *duration);
   }
   seat.device().force(*entry, *bits, until, now());
-  plant_.device_touched(*number);
   Json answer = plate_of(seat.status().label);
   answer["objects"] = Json::array({shown(seat.device(), *entry)});
   return answer;
@@ -238,7 +237,6 @@ Result<Json> Request::release() {
     }
     answer["objects"].push_back(shown(seat.device(), entry));
   }
-  plant_.device_touched(*number);
   return answer;
 }
 

@@ -6,12 +6,9 @@
 namespace canopus::serve {
 
 PlantRuns::PlantRuns(plant::Plant& plant, Order order, std::function<void()> over)
-    : plant_(plant),
-      order_(order),
-      over_(std::move(over)),
-      handle_(plant.timeline().add(*this, "clients that wait")) {}
-
-PlantRuns::~PlantRuns() { plant_.timeline().remove(handle_); }
+    : plant_(plant), order_(order), over_(std::move(over)) {
+  plant.timeline().add(*this, "clients that wait");
+}
 
 plc::Rack* PlantRuns::rack(const Run& run) const {
   return run.goal.plc ? &plant_.rack(*run.goal.plc) : nullptr;
@@ -19,6 +16,7 @@ plc::Rack* PlantRuns::rack(const Run& run) const {
 
 PlantRuns::Number PlantRuns::start(Goal goal, Done done) {
   Run& run = runs_.emplace_back();
+  alarm().add_part(run.look_at);
   run.number = ++last_number_;
   run.goal = std::move(goal);
   run.done = std::move(done);
@@ -61,7 +59,6 @@ void PlantRuns::begin_next() {
     if (!run.has_begun) begin(run, now);
     if (order_ == Order::in_turn) break;
   }
-  plant_.timeline().refresh(handle_);
 }
 
 void PlantRuns::begin(Run& run, can::Time now) {
@@ -76,11 +73,12 @@ void PlantRuns::begin(Run& run, can::Time now) {
 
 void PlantRuns::look(Run& run, can::Time now) {
   plc::Rack* const of = rack(run);
-  run.look_at = run.end;
+  can::Time next = run.end;
   if (run.goal.until && of != nullptr) {
     run.outcome.is_met = run.goal.until->holds(*of, now);
-    run.look_at = std::min(run.end, of->scan().end_of(1, now));
+    next = std::min(run.end, of->scan().end_of(1, now));
   }
+  run.look_at = next;
   if (run.outcome.is_met || now >= run.end) finish(run, now);
 }
 
@@ -98,12 +96,6 @@ void PlantRuns::tick(can::Time now) {
   for (Run& run : runs_) {
     if (run.has_begun && !run.is_over && run.look_at <= now) look(run, now);
   }
-}
-
-can::Time PlantRuns::deadline() const noexcept {
-  can::Time earliest = can::never;
-  for (const Run& run : runs_) earliest = std::min(earliest, run.look_at);
-  return earliest;
 }
 
 }  // namespace canopus::serve

@@ -38,7 +38,6 @@ class PlantRuns final : private can::Ticker {
   /// `over` is called when report() has something to report, also inside the timeline. The plant must outlive
   /// this.
   PlantRuns(plant::Plant& plant, Order order, std::function<void()> over);
-  ~PlantRuns() override;
   PlantRuns(const PlantRuns&) = delete;
   PlantRuns& operator=(const PlantRuns&) = delete;
 
@@ -65,13 +64,12 @@ class PlantRuns final : private can::Ticker {
     bool is_over = false;
     std::uint64_t scans_before = 0;
     can::Time end = can::never;
-    can::Time look_at = can::never;
+    can::Alarm look_at{};
     Outcome outcome{};
   };
 
   // can::Ticker
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override;
 
   void begin_next();
   void begin(Run& run, can::Time now);
@@ -84,7 +82,6 @@ class PlantRuns final : private can::Ticker {
   std::function<void()> over_;
   std::list<Run> runs_;
   Number last_number_ = 0;
-  can::Timeline::Handle handle_;
 };
 
 }  // namespace canopus::serve

@@ -27,27 +27,19 @@ std::expected<std::unique_ptr<ReplayBus>, std::string> ReplayBus::open(const std
     }
     return std::unexpected(std::move(message));
   }
-  timeline.refresh(bus->handle_);
+  bus->set_alarm();
+  timeline.add(*bus, "replay");
   return bus;
 }
 
 ReplayBus::ReplayBus(std::unique_ptr<trace::TraceReader> reader, std::string channel, can::Timeline& timeline)
-    : reader_(std::move(reader)),
-      channel_(std::move(channel)),
-      timeline_(timeline),
-      handle_(timeline.add(*this, "replay")) {}
-
-ReplayBus::~ReplayBus() { timeline_.remove(handle_); }
+    : reader_(std::move(reader)), channel_(std::move(channel)), timeline_(timeline) {}
 
 bool ReplayBus::send(const can::Frame& frame) {
   if (sent_count_ == sent_.size()) return false;
   sent_[sent_count_++] = frame;
-  timeline_.refresh(handle_);
+  set_alarm();
   return true;
-}
-
-can::Time ReplayBus::deadline() const noexcept {
-  return sent_count_ > 0 || !mistake_.empty() ? timeline_.now() : at_;
 }
 
 void ReplayBus::tick(can::Time now) {
@@ -63,12 +55,13 @@ void ReplayBus::tick(can::Time now) {
   for (int given = 0; at_ <= now; ++given) {
     if (given == most_at_once) {
       at_ = can::later(now, portion_pause);
-      return;
+      break;
     }
     const std::optional<trace::TraceRecord> due = next_;
     read_next();
     if (due && user_ != nullptr) user_->frame_received(due->frame);
   }
+  set_alarm();
 }
 
 bool ReplayBus::wants(const trace::TraceRecord& record) const {

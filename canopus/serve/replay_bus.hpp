@@ -23,7 +23,6 @@ class ReplayBus final : public link::BusClient, public can::Ticker {
   [[nodiscard]] static std::expected<std::unique_ptr<ReplayBus>, std::string> open(
       const std::string& path, std::string channel, can::Timeline& timeline,
       trace::KeepReading keep_reading = {});
-  ~ReplayBus() override;
   ReplayBus(const ReplayBus&) = delete;
   ReplayBus& operator=(const ReplayBus&) = delete;
 
@@ -32,10 +31,11 @@ class ReplayBus final : public link::BusClient, public can::Ticker {
   bool close(std::chrono::milliseconds) override { return true; }
 
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override;
 
  private:
   ReplayBus(std::unique_ptr<trace::TraceReader> reader, std::string channel, can::Timeline& timeline);
+  /// At once, where the user is to be told of something.
+  void set_alarm() { alarm() = sent_count_ > 0 || !mistake_.empty() ? timeline_.now() : at_; }
   /// Reads up to the next frame; error frames are left out. After many that are not wanted it leaves the rest to the next
   /// tick, a millisecond later: a plant that reads a stream without end goes on all the same.
   void read_next();
@@ -44,7 +44,6 @@ class ReplayBus final : public link::BusClient, public can::Ticker {
   std::unique_ptr<trace::TraceReader> reader_;
   std::string channel_;
   can::Timeline& timeline_;
-  can::Timeline::Handle handle_;
   link::BusClientUser* user_ = nullptr;
   std::optional<trace::TraceRecord> next_;
   std::optional<can::Time> zero_;  // of the trace

@@ -61,6 +61,7 @@ class Master final : public manager::MasterNode,
   explicit Master(can::Sink& bus) : MasterNode(manager::master_dictionary(), 127, bus), sdo_(bus) {
     master().set_listener(this);
     sdo_.set_server(tank_node);
+    alarm().add_part(sdo_.alarm());
   }
   [[nodiscard]] bool finished() const { return finished_; }
 
@@ -74,9 +75,6 @@ class Master final : public manager::MasterNode,
   void tick(can::Time now) override {
     MasterNode::tick(now);
     if (sdo_.deadline() <= now) sdo_.tick(now);
-  }
-  [[nodiscard]] can::Time deadline() const noexcept override {
-    return std::min(MasterNode::deadline(), sdo_.deadline());
   }
 
  private:
@@ -121,8 +119,10 @@ int main(int argc, char** argv) {
   Master master(master_port);
   sim::Device tank(read.file, tank_node, tank_port);
   tank.set_application(std::make_unique<Tank>());
-  master_port.connect(master, timeline.add(master, "master"));
-  tank_port.connect(tank, timeline.add(tank, "tank"));
+  timeline.add(master, "master");
+  master_port.connect(master);
+  timeline.add(tank, "tank");
+  tank_port.connect(tank);
   tank.power_on(timeline.now());
   master.power_on(timeline.now());
   while (!master.finished() && timeline.now() < can::Time{} + 30s) timeline.run_until(timeline.now() + 100ms);

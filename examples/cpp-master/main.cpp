@@ -10,6 +10,7 @@
 #include <charconv>
 #include <cstdio>
 #include <cstring>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -29,12 +30,14 @@ class Master final : public manager::MasterNode,
                      private canopen::SdoClientUser {
  public:
   Master(can::Sink& bus, std::vector<std::uint8_t> slaves)
-      : MasterNode(manager::master_dictionary(), 127, bus),
-        slaves_(std::move(slaves)),
-        sdo_(128, canopen::SdoClient(bus)) {
+      : MasterNode(manager::master_dictionary(), 127, bus), slaves_(std::move(slaves)) {
     master().set_listener(this);
     master().options().sdo_time_out = 1s;
-    for (const std::uint8_t slave : slaves_) sdo_[slave].set_server(slave);
+    for (const std::uint8_t slave : slaves_) {
+      canopen::SdoClient& client = sdo_.try_emplace(slave, bus).first->second;
+      client.set_server(slave);
+      alarm().add_part(client.alarm());
+    }
   }
 
   /// Every slave was booted and told its name, or has failed.
@@ -53,18 +56,13 @@ class Master final : public manager::MasterNode,
   // can::Participant: what the loop calls.
   void receive(const can::Frame& frame, can::Time now) override {
     MasterNode::receive(frame, now);
-    for (const std::uint8_t slave : slaves_) sdo_[slave].receive(frame, now);
+    for (const std::uint8_t slave : slaves_) sdo_.at(slave).receive(frame, now);
   }
   void tick(can::Time now) override {
     MasterNode::tick(now);
     for (const std::uint8_t slave : slaves_) {
-      if (sdo_[slave].deadline() <= now) sdo_[slave].tick(now);
+      if (sdo_.at(slave).deadline() <= now) sdo_.at(slave).tick(now);
     }
-  }
-  [[nodiscard]] can::Time deadline() const noexcept override {
-    can::Time earliest = MasterNode::deadline();
-    for (const std::uint8_t slave : slaves_) earliest = std::min(earliest, sdo_[slave].deadline());
-    return earliest;
   }
 
  private:
@@ -85,13 +83,13 @@ class Master final : public manager::MasterNode,
     std::printf("%9.6f  node %u: %s\n", can::seconds(now), node, manager::describe(record).c_str());
   }
   void slave_booted(std::uint8_t node, can::Time now) override {
-    sdo_[node].upload(0x1008, 0, *this, now);  // manufacturer device name
+    sdo_.at(node).upload(0x1008, 0, *this, now);  // manufacturer device name
   }
   void error_control_event(std::uint8_t node, manager::ErrorControlEvent, can::Time now) override {
     std::printf("%9.6f  node %u is lost\n", can::seconds(now), node);
   }
   // The boot of a node waits while this program asks it something.
-  bool sdo_channel_free(std::uint8_t node) override { return !sdo_[node].busy(); }
+  bool sdo_channel_free(std::uint8_t node) override { return !sdo_.at(node).busy(); }
 
   // canopen::SdoClientUser
   void sdo_finished(canopen::SdoClient& client, can::Time now) override {
@@ -101,7 +99,7 @@ class Master final : public manager::MasterNode,
   }
 
   std::vector<std::uint8_t> slaves_;
-  std::vector<canopen::SdoClient> sdo_;  // by node-ID
+  std::map<std::uint8_t, canopen::SdoClient> sdo_;  // by node-ID
   std::size_t answers_ = 0;
 };
 

@@ -58,9 +58,6 @@ class FrameCounter final : public module::Module,
     count.last = now;
   }
   void tick(can::Time) override {}
-  [[nodiscard]] can::Time deadline() const noexcept override {
-    return can::never;
-  }  // it does nothing by itself
 
  private:
   struct Count {
@@ -119,14 +116,15 @@ int main(int argc, char** argv) {
   can::Port& device_port = bus.add_port("device");
 
   sim::Device device(read.file, 5, device_port);
-  device_port.connect(device, timeline.add(device, "device"));
+  timeline.add(device, "device");
+  device_port.connect(device);
   FrameCounter counter;
-  const can::Timeline::Handle handle = timeline.add(counter, "module");
-  module_port.connect(counter, handle);
+  timeline.add(counter, "module");
+  module_port.connect(counter);
 
   plc::Rack rack(timeline, plc::q03udvcpu());
   constexpr std::uint16_t head_address = 0x20;  // X20, Y20; U2\G
-  if (!rack.insert(head_address, counter, handle)) return std::fprintf(stderr, "no place for it\n"), 1;
+  if (!rack.insert(head_address, counter)) return std::fprintf(stderr, "no place for it\n"), 1;
   rack.power_on(timeline.now());
   device.power_on(timeline.now());
   // A heartbeat every 100 ms from now on, as if a master had written it.

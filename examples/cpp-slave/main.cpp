@@ -28,6 +28,7 @@ class Slave final : public can::Participant, private canopen::NodeListener {
   Slave(const eds::DeviceFile& file, std::uint8_t node_id, can::Sink& bus)
       : node_(file.dictionary, node_id, bus) {
     node_.set_listener(this);
+    alarm().add_part(node_.alarm());
   }
 
   void power_on(can::Time now) { node_.power_on(now); }
@@ -35,7 +36,6 @@ class Slave final : public can::Participant, private canopen::NodeListener {
   // can::Participant: what the loop calls. The node has services of its own for all of it.
   void receive(const can::Frame& frame, can::Time now) override { node_.receive(frame, now); }
   void tick(can::Time now) override { node_.tick(now); }
-  [[nodiscard]] can::Time deadline() const noexcept override { return node_.deadline(); }
 
  private:
   // canopen::NodeListener

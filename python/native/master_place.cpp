@@ -34,7 +34,7 @@ class PlantPlace final : public MasterPlace, private PlantGuest {
   can::Sink& sink() override { return *port_; }
   void join(can::Participant& participant) override {
     handle_ = timeline_->add(participant, "master");
-    port_->connect(participant, *handle_);
+    port_->connect(participant);
   }
   void leave() noexcept override {
     if (port_ == nullptr) return;
@@ -47,9 +47,6 @@ class PlantPlace final : public MasterPlace, private PlantGuest {
     port_ = nullptr;
   }
   [[nodiscard]] can::Time now() const override { return run_->now(); }
-  void touched() override {
-    if (handle_) timeline_->refresh(*handle_);
-  }
   void check() const override { run_->parts_->check(); }
   [[nodiscard]] bool is_running() const noexcept override { return run_->parts_->is_running; }
   bool drive(const std::function<bool()>& is_done, can::Time end, const std::function<void()>&) override {
@@ -86,7 +83,6 @@ class BusPlace final : public MasterPlace {
     participant_ = nullptr;
   }
   [[nodiscard]] can::Time now() const override { return loop_->now(); }
-  void touched() override {}  // run() looks at every deadline
   void check() const override {
     if (is_running_) throw PlantProblem("the master runs just now, in another thread");
     if (!loop_->failure().empty()) throw PlantProblem(loop_->failure());

@@ -22,8 +22,6 @@ class MasterPlace {
   /// Again: nothing.
   virtual void leave() noexcept = 0;
   [[nodiscard]] virtual can::Time now() const = 0;
-  /// Something happened to the participant outside of its ticks.
-  virtual void touched() = 0;
   /// A problem: the place has gone, or somebody else lets time pass just now.
   virtual void check() const = 0;
   /// Inside of drive(), or of another run of the plant.

@@ -75,9 +75,9 @@ MasterRun::MasterRun(const std::function<std::unique_ptr<MasterPlace>()>& join,
   auto network = NetworkMaster::build(file, place_->sink(), *this);
   if (!network) throw PlantProblem(joined(std::move(network.error()), file.path));
   network_ = std::move(*network);
+  alarm().add_part(network_->alarm());
   place_->join(*this);
   network_->power_on(place_->now());
-  place_->touched();
 }
 
 MasterRun::~MasterRun() {
@@ -147,7 +147,6 @@ void MasterRun::command(unsigned node, std::uint8_t value) {
   if (node != 0) check_node(node);
   const auto code =
       network_->master().request_nmt(node == 0 ? all_nodes : static_cast<std::uint8_t>(node), value, now());
-  place_->touched();
   if (code != canopen::AbortCode::none) {
     throw PlantProblem(fmt::format("node {}: {}", node, client::describe_abort(code, true, {})));
   }
@@ -184,7 +183,6 @@ SdoResult MasterRun::sdo(unsigned node, unsigned index, unsigned sub, const std:
   const std::span raw(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
   const auto code = value ? master.write_object(to, object, part, raw, done, now(), options)
                           : master.read_object(to, object, part, done, now(), options);
-  place_->touched();
   if (code != canopen::AbortCode::none) {
     throw PlantProblem("the master's own node is in reset or stopped: let time pass, or call boot()");
   }

@@ -69,7 +69,6 @@ class MasterRun final : private can::Participant, private network::NetworkObserv
   void receive(const can::Frame& frame, can::Time now) override;
   void transmitted(const can::Frame& frame, can::Time now) override { network_->transmitted(frame, now); }
   void tick(can::Time now) override { network_->tick(now); }
-  [[nodiscard]] can::Time deadline() const noexcept override { return network_->deadline(); }
 
   // network::NetworkObserver
   void slave_booted(const network::NetworkSlave& slave, can::Time now) override;

@@ -37,7 +37,7 @@ class PlantPort::Seat final : public can::Participant {
  public:
   Seat(can::Bus& bus, can::Timeline& timeline, const std::string& name)
       : timeline_(&timeline), port_(&bus.add_port(name)), handle_(timeline.add(*this, name)) {
-    port_->connect(*this, handle_);
+    port_->connect(*this);
   }
   void leave() noexcept {
     if (port_ == nullptr) return;
@@ -60,11 +60,7 @@ class PlantPort::Seat final : public can::Participant {
       }
     }
     std::erase_if(cycles_, [](const Cycle& cycle) { return cycle.next >= cycle.end; });
-  }
-  [[nodiscard]] can::Time deadline() const noexcept override {
-    can::Time next = can::never;
-    for (const Cycle& cycle : cycles_) next = std::min(next, cycle.next);
-    return next;
+    set_alarm();
   }
 
   std::size_t repeat(std::vector<can::Frame> frames_of_it, can::Duration period, can::Duration duration) {
@@ -74,7 +70,7 @@ class PlantPort::Seat final : public can::Participant {
                        .period = period,
                        .next = now,
                        .end = duration == 0ns ? can::never : can::later(now, duration)});
-    timeline_->refresh(handle_);
+    set_alarm();
     return last_token_;
   }
   /// False: it has ended.
@@ -88,7 +84,7 @@ class PlantPort::Seat final : public can::Participant {
   }
   void stop(std::size_t token) {
     std::erase_if(cycles_, [token](const Cycle& cycle) { return cycle.token == token; });
-    if (port_ != nullptr) timeline_->refresh(handle_);
+    set_alarm();
   }
 
   [[nodiscard]] can::Port* port() const noexcept { return port_; }
@@ -105,6 +101,11 @@ class PlantPort::Seat final : public can::Participant {
     }
     frames.push_back(frame);
   }
+  void set_alarm() {
+    can::Time next = can::never;
+    for (const Cycle& cycle : cycles_) next = std::min(next, cycle.next);
+    alarm() = next;
+  }
   /// Frames that are sent in turn, one each period.
   struct Cycle {
     std::size_t token = 0;
@@ -118,18 +119,17 @@ class PlantPort::Seat final : public can::Participant {
   can::Port* port_;
   std::vector<Cycle> cycles_;
   std::size_t last_token_ = 0;
-  can::Timeline::Handle handle_;  // the last one: the timeline asks for a deadline at once
+  can::Timeline::Handle handle_;
 };
 
 /// An SDO client on a bus.
 class SdoSeat final : public can::Participant, private canopen::SdoClientUser {
  public:
   SdoSeat(can::Bus& bus, can::Timeline& timeline)
-      : port(bus.add_port("SDO client")),
-        timeline_(timeline),
-        handle_(timeline.add(*this, "SDO client")),
-        client(port) {
-    port.connect(*this, handle_);
+      : port(bus.add_port("SDO client")), timeline_(timeline), client(port) {
+    alarm().add_part(client.alarm());
+    timeline.add(*this, "SDO client");
+    port.connect(*this);
   }
   bool start(unsigned node, unsigned index, unsigned sub, const std::optional<std::string>& value,
              can::Duration time_out, bool block) {
@@ -144,17 +144,14 @@ class SdoSeat final : public can::Participant, private canopen::SdoClientUser {
     const std::span bytes(reinterpret_cast<const std::uint8_t*>(value_.data()), value_.size());
     const bool started = value ? client.download(object, part, bytes, *this, now, time_out, mode)
                                : client.upload(object, part, *this, now, time_out, mode);
-    timeline_.refresh(handle_);
     return started;
   }
   /// Nobody waits for the answer any more.
   void cancel() {
     if (client.busy()) client.cancel(canopen::AbortCode::general);
-    timeline_.refresh(handle_);
   }
   void receive(const can::Frame& frame, can::Time now) override { client.receive(frame, now); }
   void tick(can::Time now) override { client.tick(now); }
-  [[nodiscard]] can::Time deadline() const noexcept override { return client.deadline(); }
 
   can::Port& port;
   bool is_over = false;
@@ -162,7 +159,6 @@ class SdoSeat final : public can::Participant, private canopen::SdoClientUser {
  private:
   void sdo_finished(canopen::SdoClient&, can::Time) override { is_over = true; }
   can::Timeline& timeline_;
-  can::Timeline::Handle handle_;
   std::string value_;
 
  public:

@@ -365,8 +365,7 @@ void PlantRun::put(const std::string& device, const std::string& object, const s
   if (!parts_->is_running) parts_->start();
   if (!target.put(entry, *bits)) return;
   if (parts_->acting == number) return script.changed();
-  script.touched(now());
-  parts_->plant->device_touched(number);
+  script.touched(target, now());
 }
 
 std::string PlantRun::get(const std::string& device, const std::string& object) {

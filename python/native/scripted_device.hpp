@@ -23,7 +23,10 @@ class ScriptedDevice final : public sim::DeviceApplication {
   /// Calls the hook so often, from the device's start on. `period` > 0.
   std::size_t every(can::Duration period);
   /// A value was put from outside: what follows from it happens at this moment.
-  void touched(can::Time now) noexcept { dirty_since_ = now; }
+  void touched(sim::Device& device, can::Time now) noexcept {
+    dirty_since_ = now;
+    device.application_changed();
+  }
   /// A value was put by the hook.
   void changed() noexcept { has_changed_ = true; }
 

@@ -17,15 +17,23 @@ namespace {
 
 using namespace std::chrono_literals;
 
-struct Alarm : Ticker {
-  Alarm(std::string alarm_name, std::vector<Time> alarm_moments, std::vector<std::string>& alarm_log)
-      : name(std::move(alarm_name)), moments(std::move(alarm_moments)), log(alarm_log) {}
+/// Ticks at these moments.
+struct Appointments : Ticker {
+  Appointments(std::string alarm_name, std::vector<Time> alarm_moments, std::vector<std::string>& alarm_log)
+      : name(std::move(alarm_name)), moments(std::move(alarm_moments)), log(alarm_log) {
+    set_alarm();
+  }
   void tick(Time now) override {
     log.push_back(name + "@" + std::to_string(now.time_since_epoch() / 1ms));
     moments.erase(moments.begin());
     if (then) then();
+    set_alarm();
   }
-  [[nodiscard]] Time deadline() const noexcept override { return moments.empty() ? never : moments.front(); }
+  void set(std::vector<Time> others) {
+    moments = std::move(others);
+    set_alarm();
+  }
+  void set_alarm() { alarm() = moments.empty() ? never : moments.front(); }
 
   std::string name;
   std::vector<Time> moments;
@@ -38,8 +46,8 @@ using Log = std::vector<std::string>;
 TEST(Timeline, RunUntil_TicksInOrderOfTime) {
   Log log;
   Timeline timeline;
-  Alarm late("late", {Time(7ms)}, log);
-  Alarm early("early", {Time(3ms), Time(9ms)}, log);
+  Appointments late("late", {Time(7ms)}, log);
+  Appointments early("early", {Time(3ms), Time(9ms)}, log);
   timeline.add(late);
   timeline.add(early);
   timeline.run_until(Time(20ms));
@@ -50,7 +58,7 @@ TEST(Timeline, RunUntil_TicksInOrderOfTime) {
 TEST(Timeline, RunUntil_TicksADeadlineAtTheEndAndNoneAfterIt) {
   Log log;
   Timeline timeline;
-  Alarm alarm("a", {Time(5ms), Time(6ms)}, log);
+  Appointments alarm("a", {Time(5ms), Time(6ms)}, log);
   timeline.add(alarm);
   timeline.run_until(Time(5ms));
   EXPECT_EQ(log, (Log{"a@5"}));
@@ -60,9 +68,9 @@ TEST(Timeline, RunUntil_TicksADeadlineAtTheEndAndNoneAfterIt) {
 TEST(Timeline, EqualDeadlines_TickByRankThenInTheOrderOfAdd) {
   Log log;
   Timeline timeline;
-  Alarm bus("bus", {Time(1ms)}, log);
-  Alarm first("first", {Time(1ms)}, log);
-  Alarm second("second", {Time(1ms)}, log);
+  Appointments bus("bus", {Time(1ms)}, log);
+  Appointments first("first", {Time(1ms)}, log);
+  Appointments second("second", {Time(1ms)}, log);
   timeline.add(bus, "bus", Timeline::Rank::bus);
   timeline.add(first);
   timeline.add(second);
@@ -70,34 +78,29 @@ TEST(Timeline, EqualDeadlines_TickByRankThenInTheOrderOfAdd) {
   EXPECT_EQ(log, (Log{"first@1", "second@1", "bus@1"}));
 }
 
-TEST(Timeline, Refresh_TakesOverAnEarlierAndALaterDeadline) {
+TEST(Timeline, AnAlarmThatIsSet_IsTheNewDeadlineAtOnce) {
   Log log;
   Timeline timeline;
-  Alarm a("a", {Time(5ms)}, log);
-  Alarm b("b", {Time(6ms)}, log);
-  const auto handle_a = timeline.add(a);
-  const auto handle_b = timeline.add(b);
-  a.moments = {Time(8ms)};
-  timeline.refresh(handle_a);
+  Appointments a("a", {Time(5ms)}, log);
+  Appointments b("b", {Time(6ms)}, log);
+  timeline.add(a);
+  timeline.add(b);
+  a.set({Time(8ms)});
   EXPECT_EQ(timeline.next(), Time(6ms));
-  b.moments = {Time(2ms)};
-  timeline.refresh(handle_b);
+  b.set({Time(2ms)});
   EXPECT_EQ(timeline.next(), Time(2ms));
 }
 
-TEST(Timeline, Refresh_ToTheMomentOfTheFirst_KeepsTheOrderOfAdd) {
+TEST(Timeline, AnAlarmThatIsSetToTheMomentOfTheFirst_KeepsTheOrderOfAdd) {
   Log log;
   Timeline timeline;
-  Alarm a("a", {Time(9ms)}, log);
-  Alarm b("b", {Time(2ms)}, log);
-  Alarm c("c", {Time(9ms)}, log);
-  const auto handle_a = timeline.add(a);
+  Appointments a("a", {Time(9ms)}, log);
+  Appointments b("b", {Time(2ms)}, log);
+  Appointments c("c", {Time(9ms)}, log);
+  timeline.add(a);
   timeline.add(b);
-  const auto handle_c = timeline.add(c);
-  for (auto [alarm, handle] : {std::pair(&c, handle_c), std::pair(&a, handle_a)}) {
-    alarm->moments = {Time(2ms)};
-    timeline.refresh(handle);
-  }
+  timeline.add(c);
+  for (Appointments* late : {&c, &a}) late->set({Time(2ms)});
   timeline.run_until(Time(2ms));
   EXPECT_EQ(log, (Log{"a@2", "b@2", "c@2"}));
 }
@@ -105,8 +108,8 @@ TEST(Timeline, Refresh_ToTheMomentOfTheFirst_KeepsTheOrderOfAdd) {
 TEST(Timeline, WhereNobodyIsEverDue_ARunWithoutEndEnds) {
   Log log;
   Timeline timeline;
-  Alarm idle("idle", {}, log);
-  timeline.add_part().add(idle);
+  Appointments idle("idle", {}, log);
+  timeline.add_partition().add(idle);
   timeline.run_until(never);
   EXPECT_EQ(log, Log{});
 }
@@ -115,7 +118,7 @@ TEST(Timeline, ADeadlineThatHasPassed_TicksAtOnceAndTimeDoesNotGoBack) {
   Log log;
   Timeline timeline;
   timeline.run_until(Time(10ms));
-  Alarm alarm("a", {Time(4ms)}, log);
+  Appointments alarm("a", {Time(4ms)}, log);
   timeline.add(alarm);
   timeline.run_until(Time(10ms));
   EXPECT_EQ(log, (Log{"a@10"}));
@@ -124,8 +127,8 @@ TEST(Timeline, ADeadlineThatHasPassed_TicksAtOnceAndTimeDoesNotGoBack) {
 TEST(Timeline, Remove_InsideATick_TakesEffectAtOnce) {
   Log log;
   Timeline timeline;
-  Alarm a("a", {Time(1ms)}, log);
-  Alarm b("b", {Time(1ms)}, log);
+  Appointments a("a", {Time(1ms)}, log);
+  Appointments b("b", {Time(1ms)}, log);
   timeline.add(a);
   const auto handle_b = timeline.add(b);
   a.then = [&] { timeline.remove(handle_b); };
@@ -135,17 +138,10 @@ TEST(Timeline, Remove_InsideATick_TakesEffectAtOnce) {
 }
 
 TEST(Timeline, ABusThatGivesItsPlaceToAnotherInsideItsTick_HasNoFurtherOne) {
-  struct Bus final : Alarm {
-    using Alarm::Alarm;
-    Time tick_and_tell(Time now) override {
-      tick(now);
-      return deadline();
-    }
-  };
   Log log;
   Timeline timeline;
-  Bus first("first", {Time(1ms), Time(2ms), Time(3ms)}, log);
-  Bus second("second", {Time(4ms), Time(5ms)}, log);
+  Appointments first("first", {Time(1ms), Time(2ms), Time(3ms)}, log);
+  Appointments second("second", {Time(4ms), Time(5ms)}, log);
   const auto handle = timeline.add(first, {}, Timeline::Rank::bus);
   first.then = [&] {
     timeline.remove(handle);
@@ -162,12 +158,12 @@ TEST(Timeline, Empty_HasNoNextAndRuns) {
   EXPECT_EQ(timeline.now(), Time(1s));
 }
 
-/// Alarms in a timeline, and a list of all their moments.
-struct SortedAlarms {
+/// Participants in a timeline, and a list of all their moments.
+struct SortedAppointments {
   void add(std::vector<Time> moments) {
     std::sort(moments.begin(), moments.end());
     for (const Time moment : moments) all.emplace_back(moment, alarms.size());
-    alarms.push_back(std::make_unique<Alarm>(std::to_string(alarms.size()), std::move(moments), log));
+    alarms.push_back(std::make_unique<Appointments>(std::to_string(alarms.size()), std::move(moments), log));
     timeline.add(*alarms.back());
   }
   /// What the log has to be after all of them.
@@ -181,14 +177,14 @@ struct SortedAlarms {
 
   Log log;
   Timeline timeline;
-  std::vector<std::unique_ptr<Alarm>> alarms;
+  std::vector<std::unique_ptr<Appointments>> alarms;
   std::vector<std::pair<Time, std::size_t>> all;
 };
 
 TEST(Timeline, RandomAlarms_TickAsASortedListHasThem) {
   std::mt19937_64 random(3);
   for (int round = 0; round < 200; ++round) {
-    SortedAlarms sorted;
+    SortedAppointments sorted;
     for (std::size_t number = 0; number < 1 + random() % 40; ++number) {
       std::vector<Time> moments(random() % 10);
       for (Time& moment : moments) moment = Time(1ms * static_cast<std::int64_t>(random() % 50));
@@ -204,16 +200,13 @@ TEST(Timeline, RandomAlarms_TickAsASortedListHasThem) {
 struct Crowd {
   struct Member : Ticker {
     void tick(Time now) override { crowd->ticked(*this, now); }
-    [[nodiscard]] Time deadline() const noexcept override { return at; }
-    Time tick_and_tell(Time now) override {
-      if (!tells) return Ticker::tick_and_tell(now);
-      tick(now);
-      return at;
-    }
     [[nodiscard]] auto place() const { return std::tuple(at, is_bus, number); }
+    void set(Time time) {
+      at = time;
+      alarm() = time;
+    }
     Crowd* crowd = nullptr;
     bool is_bus = false;
-    bool tells = false;
     std::size_t number = 0;
     Timeline::Handle handle = 0;
     Time at = never;
@@ -227,8 +220,7 @@ struct Crowd {
     member.crowd = this;
     member.number = members.size() - 1;
     member.is_bus = is_bus;
-    member.tells = is_bus || member.number % 2 == 1;
-    member.at = some_time();
+    member.set(some_time());
     member.handle = timeline.add(member, {}, is_bus ? Timeline::Rank::bus : Timeline::Rank::node);
   }
   Time some_time() {
@@ -243,20 +235,19 @@ struct Crowd {
   void ticked(Member& member, Time time) {
     now = time;
     ++ticks;
-    is_in_order = is_in_order && member.is_there && timeline.moment().time >= member.at && time <= end;
+    is_in_order = is_in_order && member.is_there && timeline.stamp().time >= member.at && time <= end;
     for (const auto& other : members) {
       if (!other->is_there || other->number == member.number) continue;
       is_in_order = is_in_order && member.place() < other->place();
     }
     if (member.is_bus) {
-      member.at = time + std::chrono::microseconds(1 + random() % 5);
+      member.set(time + std::chrono::microseconds(1 + random() % 5));
     } else {
-      member.at = later(std::max(some_time(), time), 1us);
+      member.set(later(std::max(some_time(), time), 1us));
     }
     Member& other = random() % 20 == 0 ? member : *members[random() % members.size()];
     if (other.is_there && random() % 2 == 0) {
-      other.at = some_time();
-      timeline.refresh(other.handle);
+      other.set(some_time());
     }
     if (random() % 50 == 0 && other.is_there) {
       other.is_there = false;
@@ -304,10 +295,10 @@ TEST(Timeline, DeadlinesNearAndYearsAway_MovedFromInside_TickInTheirOrder) {
 TEST(Timeline, OneFarAway_IsFoundAtOnce) {
   Log log;
   Timeline timeline;
-  Alarm years("years", {Time(24h * 365 * 100)}, log);
+  Appointments years("years", {Time(24h * 365 * 100)}, log);
   timeline.add(years);
   EXPECT_EQ(timeline.next(), Time(24h * 365 * 100));
-  Alarm soon("soon", {Time(1ms)}, log);
+  Appointments soon("soon", {Time(1ms)}, log);
   timeline.add(soon);
   EXPECT_EQ(timeline.next(), Time(1ms));
   timeline.run_until(Time(24h * 365 * 101));
@@ -318,7 +309,7 @@ TEST(Timeline, MomentsHoursDaysAndYearsAway_TickAsASortedListHasThem) {
   constexpr Duration reaches[] = {1ms, 1h, 5h, 24h * 30, 24h * 365 * 90};
   std::mt19937_64 random(11);
   for (int round = 0; round < 200; ++round) {
-    SortedAlarms sorted;
+    SortedAppointments sorted;
     const std::size_t count = 1 + random() % 9;
     for (std::size_t number = 0; number < count; ++number) {
       std::vector<Time> moments(1 + random() % 5);
@@ -333,18 +324,16 @@ TEST(Timeline, MomentsHoursDaysAndYearsAway_TickAsASortedListHasThem) {
 
 /// Asks for each moment so often.
 struct Insistent : Ticker {
-  explicit Insistent(std::uint64_t how_often, Time first = Time(1ms)) : times(how_often), at(first) {}
+  explicit Insistent(std::uint64_t how_often, Time first = Time(1ms)) : times(how_often) { alarm() = first; }
   void tick(Time) override {
     ++ticks;
-    if (times != for_ever && ticks % times == 0) at += 1ms;
+    if (times != for_ever && ticks % times == 0) alarm() = deadline() + 1ms;
     if (then) then();
   }
-  [[nodiscard]] Time deadline() const noexcept override { return at; }
 
   static constexpr std::uint64_t for_ever = 0;
   std::uint64_t times;
   std::uint64_t ticks = 0;
-  Time at;
   std::function<void()> then;
 };
 
@@ -354,7 +343,7 @@ TEST(TimelineStall, AParticipantThatAsksForOneMomentWithoutEnd_IsTakenOutAndName
   std::vector<Timeline::Stall> stalls;
   timeline.set_stall_handler([&](const Timeline::Stall& stall) { stalls.push_back(stall); });
   Insistent spinner(Insistent::for_ever, Time(1500ms));
-  Alarm other("other", {Time(1s), Time(1500ms), Time(2s)}, log);
+  Appointments other("other", {Time(1s), Time(1500ms), Time(2s)}, log);
   const auto handle = timeline.add(spinner, "bus main");
   timeline.add(other);
   timeline.run_until(Time(3s));
@@ -364,8 +353,8 @@ TEST(TimelineStall, AParticipantThatAsksForOneMomentWithoutEnd_IsTakenOutAndName
   EXPECT_LE(spinner.ticks, 2 * Timeline::most_ticks);
   EXPECT_EQ(log, (Log{"other@1000", "other@1500", "other@2000"}));
   EXPECT_EQ(timeline.now(), Time(3s));
-  // Whoever holds its handle may go on using it.
-  timeline.refresh(handle);
+  // It may go on setting its alarm, and whoever holds its handle using that.
+  spinner.alarm() = Time(3500ms);
   EXPECT_EQ(timeline.next(), never);
   timeline.remove(handle);
   timeline.run_until(Time(4s));
@@ -391,16 +380,10 @@ TEST(TimelineStall, TwoThatWakeEachOther_AreFound) {
   timeline.set_stall_handler([&](const Timeline::Stall& stall) { names.push_back(stall.name); });
   Insistent one(1);
   Insistent two(1);
-  const auto first = timeline.add(one, "one");
-  const auto second = timeline.add(two, "two");
-  one.then = [&] {
-    two.at = timeline.now();
-    timeline.refresh(second);
-  };
-  two.then = [&] {
-    one.at = timeline.now();
-    timeline.refresh(first);
-  };
+  timeline.add(one, "one");
+  timeline.add(two, "two");
+  one.then = [&] { two.alarm() = timeline.now(); };
+  two.then = [&] { one.alarm() = timeline.now(); };
   timeline.run_until(Time(1ms));
   EXPECT_EQ(names.size(), 1U);  // the other one has nobody who wakes it
   EXPECT_EQ(timeline.now(), Time(1ms));
@@ -440,10 +423,9 @@ TEST(TimelineStall, ManyTicksAtOneMoment_AreNoStall) {
 TEST(TimelineStall, RunUntilTheSameMomentAgainAndAgain_IsNoStall) {
   Timeline timeline;
   Insistent restless(1);
-  const auto handle = timeline.add(restless);
+  timeline.add(restless);
   for (std::uint32_t number = 0; number < 3 * Timeline::most_ticks; ++number) {
-    restless.at = Time(1ms);
-    timeline.refresh(handle);
+    restless.alarm() = Time(1ms);
     EXPECT_NO_THROW(timeline.run_until(Time(1ms)));
   }
 }
@@ -454,17 +436,17 @@ TEST(Later, BeyondWhatTimeHolds_IsNever) {
   EXPECT_EQ(later(Time(1s), 2s), Time(3s));
 }
 
-TEST(Timeline, Parts_RunTogetherInTheOrderOfOne) {
+TEST(Timeline, Partitions_RunTogetherInTheOrderOfOne) {
   const auto log_of = [](bool divided) {
     Log log;
     Timeline timeline;
-    Timeline& one = divided ? timeline.add_part() : timeline;
-    Timeline& other = divided ? timeline.add_part() : timeline;
-    Alarm bus("bus", {Time(1ms), Time(3ms)}, log);
-    Alarm a("a", {Time(1ms), Time(2ms), Time(3ms)}, log);
-    Alarm b("b", {Time(1ms), Time(3ms)}, log);
-    Alarm c("c", {Time(1ms), Time(3ms), Time(4ms)}, log);
-    Alarm outside("outside", {Time(2ms), Time(3ms)}, log);
+    Timeline& one = divided ? timeline.add_partition() : timeline;
+    Timeline& other = divided ? timeline.add_partition() : timeline;
+    Appointments bus("bus", {Time(1ms), Time(3ms)}, log);
+    Appointments a("a", {Time(1ms), Time(2ms), Time(3ms)}, log);
+    Appointments b("b", {Time(1ms), Time(3ms)}, log);
+    Appointments c("c", {Time(1ms), Time(3ms), Time(4ms)}, log);
+    Appointments outside("outside", {Time(2ms), Time(3ms)}, log);
     one.add(bus, "bus", Timeline::Rank::bus);
     other.add(b);
     one.add(a);
@@ -480,46 +462,40 @@ TEST(Timeline, Parts_RunTogetherInTheOrderOfOne) {
   EXPECT_EQ(log_of(true), log_of(false));
 }
 
-TEST(Timeline, WhoeverBelongsToNoPartAndIsMadeEarlierByOne_StillComesInOrder) {
+TEST(Timeline, WhoeverBelongsToNoPartitionAndIsMadeEarlierByOne_StillComesInOrder) {
   Log log;
   Timeline timeline;
-  Timeline& part = timeline.add_part();
-  Alarm outside("outside", {Time(9ms)}, log);
-  const auto handle = timeline.add(outside);
-  Alarm first("first", {Time(1ms)}, log);
-  Alarm second("second", {Time(1ms)}, log);
-  first.then = [&] {
-    outside.moments = {Time(1ms)};
-    timeline.refresh(handle);
-  };
+  Timeline& part = timeline.add_partition();
+  Appointments outside("outside", {Time(9ms)}, log);
+  timeline.add(outside);
+  Appointments first("first", {Time(1ms)}, log);
+  Appointments second("second", {Time(1ms)}, log);
+  first.then = [&] { outside.set({Time(1ms)}); };
   part.add(first);
-  const auto second_handle = part.add(second);
-  Alarm third("third", {Time(5ms)}, log);
-  outside.then = [&] {
-    second.moments = {Time(2ms)};
-    part.refresh(second_handle);
-  };
+  part.add(second);
+  Appointments third("third", {Time(5ms)}, log);
+  outside.then = [&] { second.set({Time(2ms)}); };
   timeline.add(third);
   timeline.run_until(Time(6ms));
   EXPECT_EQ(log, (Log{"first@1", "outside@1", "second@2", "third@5"}));
 }
 
-TEST(Timeline, AMomentOfAParts_IsItsPlaceInTheOrderOfAll) {
+TEST(Timeline, AStampOfAPartitions_IsItsPlaceInTheOrderOfAll) {
   Log log;
   Timeline timeline;
-  Timeline& one = timeline.add_part();
-  Timeline& other = timeline.add_part();
-  std::vector<std::pair<Moment, std::string>> said;
+  Timeline& one = timeline.add_partition();
+  Timeline& other = timeline.add_partition();
+  std::vector<std::pair<TickStamp, std::string>> said;
   const auto say = [&said](Timeline& line, std::string what) {
     return [&said, &line, what] {
-      EXPECT_TRUE(line.is_apart());
-      said.emplace_back(line.moment(), what);
+      EXPECT_TRUE(line.runs_alone());
+      said.emplace_back(line.stamp(), what);
     };
   };
-  Alarm a("a", {Time(1ms)}, log);
-  Alarm b("b", {Time(1ms)}, log);
-  Alarm c("c", {Time(1ms)}, log);
-  Alarm bus("bus", {Time(1ms)}, log);
+  Appointments a("a", {Time(1ms)}, log);
+  Appointments b("b", {Time(1ms)}, log);
+  Appointments c("c", {Time(1ms)}, log);
+  Appointments bus("bus", {Time(1ms)}, log);
   a.then = say(one, "a");
   b.then = say(other, "b");
   c.then = say(one, "c");
@@ -528,10 +504,10 @@ TEST(Timeline, AMomentOfAParts_IsItsPlaceInTheOrderOfAll) {
   one.add(a);
   other.add(b);
   one.add(c);
-  other.run_apart(Time(2ms));
-  one.run_apart(Time(2ms));
-  timeline.meet(Time(2ms));
-  EXPECT_FALSE(one.is_apart());
+  other.run_partition(Time(2ms));
+  one.run_partition(Time(2ms));
+  timeline.join_partitions(Time(2ms));
+  EXPECT_FALSE(one.runs_alone());
   std::ranges::sort(said);
   Log order;
   for (const auto& [moment, what] : said) order.push_back(what);

@@ -262,7 +262,8 @@ TEST(CobIds, RestrictedIdentifiers_AreThoseOfCia301) {
 }
 
 RC_GTEST_PROP(TimerQueue, TimersComeInOrderOfDeadline, (const std::vector<std::uint8_t>& moves)) {
-  TimerQueue queue;
+  can::Alarm alarm;
+  TimerQueue queue(alarm);
   constexpr std::size_t count = 12;
   RC_ASSERT(queue.add(count) == 0U);
   std::vector<can::Time> expected(count, can::never);
@@ -274,6 +275,7 @@ RC_GTEST_PROP(TimerQueue, TimersComeInOrderOfDeadline, (const std::vector<std::u
     queue.set(number, deadline);
     expected[number] = deadline;
     RC_ASSERT(queue.next() == *std::ranges::min_element(expected));
+    RC_ASSERT(alarm.deadline() == queue.next());
   }
   while (queue.next() != can::never) {
     const auto earliest = std::ranges::min_element(expected);  // the first of equals

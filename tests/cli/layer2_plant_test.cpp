@@ -66,14 +66,14 @@ class Layer2Plant : public testing::Test, public plant::PlantObserver, public ca
     plant = std::move(*built);
     raw_plant = plant.get();
     peer = &plant->bus(0).add_port("peer");
-    peer->connect(*this, plant->timeline().add(*this));
+    plant->timeline().add(*this);
+    peer->connect(*this);
     plant->power_on();
   }
   void run(can::Duration duration) { plant->timeline().run_until(plant->timeline().now() + duration); }
 
   void receive(const can::Frame& frame, can::Time) override { heard.push_back(frame); }
   void tick(can::Time) override {}
-  [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
 
   void booted(const plant::NodeLabel& node, can::Time) override {
     events.push_back(describe(node) + " boot");

@@ -47,8 +47,8 @@ class ProcessDataTest : public ::testing::Test, public plant::PlantObserver, pub
     ASSERT_TRUE(built.has_value()) << describe(built.error()[0], path);
     plant_ = std::move(*built);
     port_ = &plant_->bus(0).add_port("peer");
-    handle_ = plant_->timeline().add(*this);
-    port_->connect(*this, handle_);
+    plant_->timeline().add(*this);
+    port_->connect(*this);
     plant_->power_on();
     run(2s);
     events.clear();
@@ -85,7 +85,6 @@ class ProcessDataTest : public ::testing::Test, public plant::PlantObserver, pub
     if (frame.identifier == 0x202) heard_ = static_cast<std::uint16_t>(frame.data[0] | frame.data[1] << 8);
   }
   void tick(can::Time) override {}
-  [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
 
   void nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time) override {
     if (node.node_id == 1) module_state_ = state;
@@ -97,7 +96,6 @@ class ProcessDataTest : public ::testing::Test, public plant::PlantObserver, pub
   std::vector<std::string> events;
   std::unique_ptr<plant::Plant> plant_;
   can::Port* port_ = nullptr;
-  can::Timeline::Handle handle_{};
   std::optional<std::uint16_t> heard_;
   canopen::NmtState module_state_ = canopen::NmtState::initialising;
 };

@@ -34,7 +34,6 @@ struct Stamps final : can::BusObserver {
 struct Silent final : can::Participant {
   void receive(const can::Frame&, can::Time) override {}
   void tick(can::Time) override {}
-  [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
 };
 
 class LinkedBusStamps : public testing::Test {
@@ -74,7 +73,7 @@ TEST_F(LinkedBusStamps, AnOwnFrameHasThatOfItsEcho) {
   Silent node;
   can::Port& port = bus->add_port("one");
   const auto handle = timeline.add(node, "one");
-  port.connect(node, handle);
+  port.connect(node);
   ASSERT_TRUE(port.send(frame));
   timeline.run_until(can::Time(51s));
   kernel->user->frame_sent_at(frame, wall - 4ms);

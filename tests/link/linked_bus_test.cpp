@@ -54,7 +54,7 @@ class Transport final : public BusClient {
 struct Node final : can::Participant {
   Node(can::Bus& bus, can::Timeline& timeline, const std::string& name)
       : port(bus.add_port(name)), handle(timeline.add(*this, name)) {
-    port.connect(*this, handle);
+    port.connect(*this);
   }
   void receive(const Frame& frame, Time now) override {
     heard.push_back(frame);
@@ -67,7 +67,6 @@ struct Node final : can::Participant {
   }
   void controller_changed(Time) override { states.push_back(port.error_state()); }
   void tick(Time) override {}
-  [[nodiscard]] Time deadline() const noexcept override { return can::never; }
 
   can::Port& port;
   can::Timeline::Handle handle;
@@ -381,18 +380,16 @@ TEST_F(LinkedBusTest, Restart_CountsAnew) {
 
 TEST_F(LinkedBusTest, NodeThatWaitsForSomething_GetsItsTick) {
   struct Timer final : can::Participant {
-    void receive(const Frame&, Time now) override { due = now + 3ms; }
+    void receive(const Frame&, Time now) override { alarm() = now + 3ms; }
     void tick(Time now) override {
       ticked = now;
-      due = can::never;
+      alarm().cancel();
     }
-    [[nodiscard]] Time deadline() const noexcept override { return due; }
-    Time due = can::never;
     Time ticked{};
   } timer;
   can::Port& port = bus->add_port("timer");
   const auto handle = timeline.add(timer, "timer");
-  port.connect(timer, handle);
+  port.connect(timer);
   transport->user->frame_received(high);
   pass(10ms);
   EXPECT_EQ(timer.ticked, Time{} + 3ms);

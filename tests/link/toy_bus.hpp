@@ -91,7 +91,6 @@ class ToyBus final : public LoopClock {
       bus_.queue_.emplace_back(&participant_, frame);
       return true;
     }
-    void refresh() override {}
     bool restart(std::uint32_t bit_rate) override {
       bus_.bit_rates.push_back(bit_rate);
       std::erase_if(bus_.queue_, [this](const auto& entry) { return entry.first == &participant_; });

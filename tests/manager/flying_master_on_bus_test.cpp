@@ -33,8 +33,8 @@ class Network final : public sim::BusObserver {
   struct Member final : MasterNode {
     Member(Network& network, std::uint8_t node_id, std::uint8_t priority)
         : Member(network.bus.add_port("master " + std::to_string(node_id)), node_id, priority) {
-      handle = network.timeline.add(*this);
-      port.connect(*this, handle);
+      network.timeline.add(*this);
+      port.connect(*this);
     }
     Member(sim::Port& own_port, std::uint8_t node_id, std::uint8_t priority)
         : MasterNode(dictionary(), node_id, own_port), id(node_id), level(priority), port(own_port) {}
@@ -48,7 +48,6 @@ class Network final : public sim::BusObserver {
     void transmitted(const can::Frame& frame, can::Time now) override {
       if (on) MasterNode::transmitted(frame, now);
     }
-    can::Time deadline() const noexcept override { return on ? MasterNode::deadline() : can::never; }
     void configure(canopen::ObjectDictionary& objects) override {
       objects.set(0x1F80, 0, 0x21U);
       objects.set(0x1F90, 3, std::uint16_t{level});
@@ -61,7 +60,6 @@ class Network final : public sim::BusObserver {
     bool on = false;
     bool is_far = false;  // on the other side of the cut
     sim::Port& port;
-    can::Timeline::Handle handle = 0;
   };
 
   // Slaves that only acknowledge, one on each side of the cut: masters alone on a wire who send one and the
@@ -78,14 +76,12 @@ class Network final : public sim::BusObserver {
     member.port.restart(bus.bit_rate());
     member.port.plug(true);
     member.power_on(timeline.now());
-    timeline.refresh(member.handle);
   }
   void switch_off(Member& member) {
     member.on = false;
     member.port.plug(false);
     member.port.restart(bus.bit_rate());  // and its queue is gone
     member.power_off(timeline.now());
-    timeline.refresh(member.handle);
   }
   void run_for(can::Duration duration) { timeline.run_until(timeline.now() + duration); }
   /// Runs to the end of the next frame that has to do with the mastership, at most so long.

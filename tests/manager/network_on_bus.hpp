@@ -53,10 +53,9 @@ inline std::shared_ptr<const canopen::DictionaryDescription> slave_with_tpdo() {
 class MasterOnBus final : public ConfiguredMaster {
  public:
   MasterOnBus(sim::Port& port, can::Timeline& timeline) : ConfiguredMaster(port) {
-    handle = timeline.add(*this);
-    port.connect(*this, handle);
+    timeline.add(*this);
+    port.connect(*this);
   }
-  can::Timeline::Handle handle = 0;
 };
 
 class NetworkOnBus : public ::testing::Test {
@@ -65,23 +64,20 @@ class NetworkOnBus : public ::testing::Test {
     Slave(std::uint8_t id, sim::Bus& bus, can::Timeline& timeline,
           std::shared_ptr<const canopen::DictionaryDescription> description = slave_dictionary())
         : port(bus.add_port("slave " + std::to_string(id))), node(std::move(description), id, port) {
-      handle = timeline.add(node);
-      port.connect(node, handle);
+      timeline.add(node);
+      port.connect(node);
     }
     sim::Port& port;
     canopen::Node node;
-    can::Timeline::Handle handle;
   };
 
   Slave& slave(std::uint8_t id) { return slaves.emplace_back(id, bus, timeline); }
   void switch_on() {
     for (Slave& device : slaves) {
       device.node.power_on(timeline.now());
-      timeline.refresh(device.handle);
     }
     run_for(100ms);
     master.node().power_on(timeline.now());
-    timeline.refresh(master.handle);
   }
   void run_for(can::Duration duration) { timeline.run_until(timeline.now() + duration); }
 

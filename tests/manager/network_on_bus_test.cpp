@@ -53,7 +53,6 @@ TEST_F(NetworkOnBus, SlaveResetByRequest_IsBootedAndStartedAgain) {
   run_for(3s);
   ASSERT_EQ(device.node.state(), NmtState::operational);
   EXPECT_EQ(master.master().request_nmt(5, 6, timeline.now()), canopen::AbortCode::none);
-  timeline.refresh(master.handle);
   run_for(3s);
   EXPECT_EQ(device.node.state(), NmtState::operational);
   EXPECT_EQ(master.master().node_state(5), 5);
@@ -71,10 +70,10 @@ TEST_F(NetworkOnBus, MappingInAConciseDcf_CountsFromThenOn) {
       if (frame.identifier > 0x180 && frame.identifier < 0x580) heard.push_back(text(frame));
     }
     void tick(can::Time) override {}
-    can::Time deadline() const noexcept override { return can::never; }
     std::vector<std::string> heard;
   } listener;
-  bus.add_port("listener").connect(listener, timeline.add(listener));
+  timeline.add(listener);
+  bus.add_port("listener").connect(listener);
   run_for(1ms);  // a controller that joins waits for an idle bus
   std::uint16_t turn = 0;
   const auto values = [&] {
@@ -95,7 +94,6 @@ TEST_F(NetworkOnBus, MappingInAConciseDcf_CountsFromThenOn) {
                         .add(0x1800, 1, 0x000001A5, 4)
                         .file();
   EXPECT_EQ(master.master().request_configuration(5, timeline.now()), canopen::AbortCode::none);
-  timeline.refresh(master.handle);
   run_for(1s);
   listener.heard.push_back("configured");
   values();
@@ -131,11 +129,9 @@ TEST_P(SlowNetworkOnBus, EveryTransferGetsItsTurn) {
   }
   for (auto& device : slaves) {
     device.node.power_on(timeline.now());
-    timeline.refresh(device.handle);
   }
   timeline.run_until(can::Time(1s));
   master.node().power_on(timeline.now());
-  timeline.refresh(master.handle);
   timeline.run_until(can::Time(30s));
   for (std::uint8_t id = 2; id <= 127; ++id) {
     const BootRecord& record = master.master().boot_record(id);

@@ -202,8 +202,11 @@ TEST_F(NetworkMasterTest, MissingDeviceFile_IsToldWithItsPlace) {
 class ProgrammableSlave final : public can::Participant {
  public:
   ProgrammableSlave(std::uint8_t node_id, can::Sink& sink)
-      : script(node_id, [this](const can::Frame& frame,
-                               can::Duration after) { answers_.emplace(now_ + after, frame); }),
+      : script(node_id,
+               [this](const can::Frame& frame, can::Duration after) {
+                 answers_.emplace(now_ + after, frame);
+                 alarm() = answers_.begin()->first;
+               }),
         sink_(sink) {}
 
   void receive(const can::Frame& frame, can::Time now) override {
@@ -216,9 +219,7 @@ class ProgrammableSlave final : public can::Participant {
       sink_.send(answers_.begin()->second);
       answers_.erase(answers_.begin());
     }
-  }
-  [[nodiscard]] can::Time deadline() const noexcept override {
-    return answers_.empty() ? can::never : answers_.begin()->first;
+    alarm() = answers_.empty() ? can::never : answers_.begin()->first;
   }
 
   manager::test::ScriptedSlave script;
@@ -234,7 +235,8 @@ class NetworkMasterProgram : public NetworkMasterTest {
   NetworkMasterProgram() {
     sim::Port& place = bus.bus.add_port("programmable");
     device = std::make_unique<ProgrammableSlave>(std::uint8_t{5}, place);
-    place.connect(*device, bus.timeline.add(*device));
+    bus.timeline.add(*device);
+    place.connect(*device);
     place.plug(true);
     auto& objects = device->script.objects;
     objects[{0x1F51, 1}] = {1};
@@ -329,7 +331,8 @@ TEST_F(NetworkMasterTest, FlyingMasters_OneIsActiveTheOtherStandsBy) {
   sim::Port& place = bus.bus.add_port("better");
   auto other = NetworkMaster::build(better, place, nobody);
   ASSERT_TRUE(other.has_value());
-  place.connect(**other, bus.timeline.add(**other));
+  bus.timeline.add(**other);
+  place.connect(**other);
   place.plug(true);
   (*other)->power_on(bus.now());
 

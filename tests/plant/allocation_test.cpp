@@ -40,7 +40,9 @@ class Reader final : public can::Participant, canopen::SdoClientUser {
  public:
   Reader(can::Bus& bus, can::Timeline& timeline) : port_(bus.add_port("tool")), client_(port_) {
     client_.set_server(2);
-    port_.connect(*this, timeline.add(*this));
+    alarm().add_part(client_.alarm());
+    timeline.add(*this);
+    port_.connect(*this);
   }
   void read(can::Time now) { client_.upload(0x1000, 0, *this, now); }  // nothing while one is going on
   void receive(const can::Frame& frame, can::Time now) override {
@@ -48,7 +50,6 @@ class Reader final : public can::Participant, canopen::SdoClientUser {
     ++frames[frame.identifier & 0x7FF];
   }
   void tick(can::Time now) override { client_.tick(now); }
-  [[nodiscard]] can::Time deadline() const noexcept override { return client_.deadline(); }
   void sdo_finished(canopen::SdoClient& done, can::Time) override {
     good += done.abort_code() == canopen::AbortCode::none ? 1 : 0;
   }

@@ -155,9 +155,8 @@ TEST(ModuleSeat, OfAModuleWithoutSignals_LetsTheBuiltInProgramWork) {
   can::Timeline timeline;
   plc::Rack rack(timeline);
   ModuleSeat seat(section, "plc1", rack, nullptr, std::move(owned), bus, watcher);
-  const auto handle = timeline.add(seat);
+  timeline.add(seat);
   rack.power_on(timeline.now());
-  timeline.refresh(handle);
   timeline.run_until(can::Time{} + 11ms);
   EXPECT_EQ(module.words[support::FakeCommunicationModule::exchange_word], 1);
   module.words[500] = 9;

@@ -80,14 +80,14 @@ TEST_F(PlantDescriptions, AnLssSlaveIsHeardByItsControllersFilter) {
   struct Master final : can::Participant {
     void receive(const can::Frame& frame, can::Time) override { heard.push_back(frame); }
     void tick(can::Time) override {}
-    [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
     std::vector<can::Frame> heard;
   } master;
   load(fmt::format(
       "[[device]]\nbus = \"line1\"\nnode = \"unconfigured\"\neds = \"{}/examples/devices/io-block.eds\"\n",
       CANOPUS_SOURCE_DIR));
   can::Port& port = plant_->bus(0).add_port("master");
-  port.connect(master, plant_->timeline().add(master));
+  plant_->timeline().add(master);
+  port.connect(master);
   port.plug(true);
   plant_->timeline().run_until(can::Time{std::chrono::seconds(1)});
   // Switch to configuration, then inquire identity: vendor-ID

@@ -89,27 +89,24 @@ std::string plant_text() {
 /// Has node 9 of a bus save its parameters (1010H), twice.
 class Saver final : public can::Participant {
  public:
-  Saver(Plant& plant, std::size_t bus) : timeline_(plant.timeline_of_bus(bus)) {
+  Saver(Plant& plant, std::size_t bus) {
+    alarm() = can::Time(2100ms);
     port_ = &plant.bus(bus).add_port("saver");
-    handle_ = timeline_.add(*this, "saver");
-    port_->connect(*this, handle_);
+    plant.timeline_of_bus(bus).add(*this, "saver");
+    port_->connect(*this);
   }
   void receive(const can::Frame& frame, can::Time) override {
     if (frame.identifier == 0x589 && frame.data[0] == 0x60) ++saved;
   }
   void tick(can::Time) override {
     EXPECT_TRUE(port_->send(can::data_frame(0x609, {0x23, 0x10, 0x10, 0x01, 0x73, 0x61, 0x76, 0x65})));
-    next_ = next_ == can::Time(2100ms) ? can::Time(3300ms) : can::never;
+    alarm() = deadline() == can::Time(2100ms) ? can::Time(3300ms) : can::never;
   }
-  [[nodiscard]] can::Time deadline() const noexcept override { return next_; }
 
   unsigned saved = 0;
 
  private:
-  can::Timeline& timeline_;
   can::Port* port_;
-  can::Timeline::Handle handle_{};
-  can::Time next_{2100ms};
 };
 
 class PlantSlices : public support::PlantFolder {
@@ -209,17 +206,15 @@ TEST_F(PlantSlices, EveryNumberOfThreadsAndEverySlice_GivesTheSameBytes) {
 /// Somebody who belongs to no part may look at any of them: nobody runs ahead of him.
 TEST_F(PlantSlices, WhoBelongsToNoPart_FindsAllPartsAtHisMoment) {
   struct Looker final : can::Ticker {
-    explicit Looker(Plant& looked_at) : plant(looked_at) {}
+    explicit Looker(Plant& looked_at) : plant(looked_at) { alarm() = can::Time(50ms); }
     void tick(can::Time now) override {
       for (std::size_t bus = 0; bus < plant.bus_count(); ++bus) {
         EXPECT_LE(plant.timeline_of_bus(bus).now(), now);
       }
-      next = next < can::Time(400ms) ? next + 70ms : can::never;
+      alarm() = deadline() < can::Time(400ms) ? deadline() + 70ms : can::never;
       ++looks;
     }
-    [[nodiscard]] can::Time deadline() const noexcept override { return next; }
     Plant& plant;
-    can::Time next{50ms};
     unsigned looks = 0;
   };
   struct Nobody final : PlantObserver {

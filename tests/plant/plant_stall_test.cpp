@@ -38,15 +38,15 @@ TEST(PlantStall, APartThatAsksForOneMomentWithoutEnd_IsReportedByNameAndTheOther
   struct Spinner final : can::Participant {
     void receive(const can::Frame&, can::Time) override {}
     void tick(can::Time) override {}
-    [[nodiscard]] can::Time deadline() const noexcept override { return can::Time(10ms); }
   } spinner;
   struct Listener final : can::Participant {  // acknowledges
     void receive(const can::Frame&, can::Time) override {}
     void tick(can::Time) override {}
-    [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
   } listener;
   can::Timeline& timeline = (*plant)->timeline();
-  (*plant)->bus(0).add_port("tool").connect(listener, timeline.add(listener));
+  timeline.add(listener);
+  (*plant)->bus(0).add_port("tool").connect(listener);
+  spinner.alarm() = can::Time(10ms);
   timeline.add(spinner, "spinner");
   (*plant)->power_on();
   timeline.run_until(can::Time(9ms));

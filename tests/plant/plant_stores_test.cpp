@@ -33,7 +33,8 @@ constexpr std::string_view one_bus = "[[bus]]\nname = \"line1\"\nbit_rate = 250_
 class Tool final : public can::Participant {
  public:
   Tool(Plant& plant, std::size_t bus) : timeline_(plant.timeline()), port_(plant.bus(bus).add_port("tool")) {
-    port_.connect(*this, timeline_.add(*this));
+    timeline_.add(*this);
+    port_.connect(*this);
   }
   std::uint32_t transfer(std::uint8_t command, std::uint16_t index, std::uint8_t sub, std::uint32_t value) {
     can::Frame request{.identifier = 0x605, .dlc = 8};
@@ -62,7 +63,6 @@ class Tool final : public can::Participant {
   void transmitted(const can::Frame&, can::Time) override {}
   void controller_changed(can::Time) override {}
   void tick(can::Time) override {}
-  can::Time deadline() const noexcept override { return can::never; }
 
  private:
   can::Timeline& timeline_;

@@ -49,7 +49,10 @@ inline constexpr ProgramInterface write_only{
 /// Takes `answer_time` for a data exchange, and notes what the program does: "12ms Y5 on".
 class AnsweringModule final : public FakeModule {
  public:
-  explicit AnsweringModule(const ProgramInterface& interface) : interface_(interface) {}
+  explicit AnsweringModule(const ProgramInterface& interface) : interface_(interface) {
+    alarm().add_part(answer_at);
+    alarm().add_part(starts_at);
+  }
 
   void set_output(unsigned signal, bool on, can::Time now) override {
     FakeModule::set_output(signal, on, now);
@@ -80,7 +83,6 @@ class AnsweringModule final : public FakeModule {
       start(now);
     }
   }
-  [[nodiscard]] can::Time deadline() const noexcept override { return std::min(answer_at, starts_at); }
 
   /// Initializes until `end`.
   void initialize(can::Time now, can::Time end) {
@@ -96,8 +98,8 @@ class AnsweringModule final : public FakeModule {
 
   BuiltInProgram* program = nullptr;
   can::Duration answer_time = 3ms;
-  can::Time answer_at = can::never;
-  can::Time starts_at = can::never;
+  can::Alarm answer_at;
+  can::Alarm starts_at;
   int own = 0;
   int wrong_reads = 0;  // of a module that initializes: its status is all there is
 
@@ -120,8 +122,10 @@ class Slot final : public can::Participant, public RackListener {
   Slot(const ProgramInterface& interface, BuiltInProgram::Task task)
       : rack(timeline), module(interface), program(rack, head, module, interface, std::move(task)) {
     module.program = &program;
-    handle_ = timeline.add(*this);
-    rack.insert(head, module, handle_);
+    alarm().add_part(module.alarm());
+    alarm().add_part(program.alarm());
+    timeline.add(*this);
+    rack.insert(head, module);
     rack.add_listener(*this);
   }
   void power(can::Duration initialization = {}) {
@@ -140,10 +144,7 @@ class Slot final : public can::Participant, public RackListener {
     program.cpu_paused(paused, now);
     program.look(now);
   }
-  void run_until(can::Duration end) {
-    timeline.refresh(handle_);
-    timeline.run_until(can::Time{} + end);
-  }
+  void run_until(can::Duration end) { timeline.run_until(can::Time{} + end); }
   std::vector<std::string> notes_until(can::Duration end) {
     run_until(end);
     return module.take_notes();
@@ -155,18 +156,12 @@ class Slot final : public can::Participant, public RackListener {
     program.tick(now);
     program.look(now);
   }
-  [[nodiscard]] can::Time deadline() const noexcept override {
-    return std::min(module.deadline(), program.deadline());
-  }
 
   static constexpr std::uint16_t head = 0x20;
   can::Timeline timeline;
   Rack rack;
   AnsweringModule module;
   BuiltInProgram program;
-
- private:
-  can::Timeline::Handle handle_;
 };
 
 }  // namespace canopus::plc

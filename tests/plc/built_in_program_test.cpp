@@ -152,7 +152,7 @@ TEST(BuiltInProgram, SetUp_WithoutWordsAndOnline_LeavesTheModuleAlone) {
     Slot slot(*interface, {});
     slot.power();
     EXPECT_THAT(slot.notes_until(100ms), IsEmpty());
-    EXPECT_EQ(slot.program.deadline(), can::never);
+    EXPECT_EQ(slot.program.alarm().deadline(), can::never);
     EXPECT_EQ(slot.module.reads, 0);
   }
 }
@@ -208,7 +208,7 @@ TEST(BuiltInProgram, InStop_StandsStill) {
   slot.power();
   EXPECT_THAT(slot.notes_until(30ms), ElementsAre("20ms Y5 on", "23ms Y5 off"));
   slot.rack.set_cpu_state(module::CpuState::stop, slot.timeline.now());
-  EXPECT_EQ(slot.program.deadline(), can::never);
+  EXPECT_EQ(slot.program.alarm().deadline(), can::never);
   EXPECT_THAT(slot.notes_until(100ms), IsEmpty());
   slot.rack.set_cpu_state(module::CpuState::run, slot.timeline.now());
   EXPECT_THAT(slot.notes_until(130ms), ElementsAre("120ms Y5 on", "123ms Y5 off"));
@@ -237,7 +237,7 @@ TEST(BuiltInProgram, InPause_StandsStill) {
   slot.power();
   EXPECT_THAT(slot.notes_until(30ms), ElementsAre("20ms Y5 on", "23ms Y5 off"));
   slot.rack.pause(slot.timeline.now());
-  EXPECT_EQ(slot.program.deadline(), can::never);
+  EXPECT_EQ(slot.program.alarm().deadline(), can::never);
   EXPECT_THAT(slot.notes_until(100ms), IsEmpty());
   slot.rack.set_cpu_state(module::CpuState::run, slot.timeline.now());
   EXPECT_THAT(slot.notes_until(130ms), ElementsAre("120ms Y5 on", "123ms Y5 off"));
@@ -276,7 +276,7 @@ TEST(BuiltInProgram, SupplyOffAndOn_BeginsAnew) {
   slot.module.answer_at = can::never;
   slot.module.answer_time = 3ms;
   slot.rack.power_off(slot.timeline.now());
-  EXPECT_EQ(slot.program.deadline(), can::never);
+  EXPECT_EQ(slot.program.alarm().deadline(), can::never);
   slot.power(10ms);
   EXPECT_THAT(slot.notes_until(60ms), ElementsAre("45ms Y5 on", "48ms Y5 off"));
 }

@@ -52,8 +52,10 @@ inline std::string shown(std::string_view data) {
 struct Plc {
   explicit Plc(const CpuModel& model = r04cpu(), melsec::PortSettings settings = {})
       : rack(timeline, model), session(std::make_unique<melsec::Session>(rack, std::move(settings), &guard)) {
-    rack.insert(0x00, module, timeline.add(module));
-    rack.insert(0x30, other_module, timeline.add(other_module));
+    timeline.add(module);
+    rack.insert(0x00, module);
+    timeline.add(other_module);
+    rack.insert(0x30, other_module);
     rack.power_on(now);
   }
 

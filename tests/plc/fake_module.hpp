@@ -33,7 +33,7 @@ class FakeModule : public module::Module, public module::BufferMemoryAccess, pub
     last_time = now;
     writes.emplace_back(address, value);
     if (!read_only.contains(address)) words[address] = value;
-    if (wakes_after_write) deadline_ = now + std::chrono::milliseconds(1);
+    if (wakes_after_write) alarm() = now + std::chrono::milliseconds(1);
   }
   [[nodiscard]] std::uint32_t inputs() const noexcept override { return x; }
   [[nodiscard]] std::uint32_t outputs() const noexcept override { return y; }
@@ -51,9 +51,8 @@ class FakeModule : public module::Module, public module::BufferMemoryAccess, pub
   void receive(const can::Frame& /*frame*/, can::Time /*now*/) override {}
   void tick(can::Time now) override {
     ticks.push_back(now);
-    deadline_ = can::never;
+    alarm().cancel();
   }
-  [[nodiscard]] can::Time deadline() const noexcept override { return deadline_; }
 
   std::map<module::BufferAddress, std::uint16_t> words;
   std::set<module::BufferAddress> read_only;  ///< a write changes nothing, as the modules' manuals say
@@ -72,7 +71,6 @@ class FakeModule : public module::Module, public module::BufferMemoryAccess, pub
  private:
   unsigned points_;
   module::BufferAddress size_;
-  can::Time deadline_ = can::never;
 };
 
 }  // namespace canopus::plc::testing

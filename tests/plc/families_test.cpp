@@ -203,8 +203,8 @@ bool takes(const CpuModel& model, std::uint16_t number) {
   can::Timeline timeline;
   Rack rack(timeline, model);
   FakeModule module(8);
-  const auto handle = timeline.add(module);
-  return rack.insert(static_cast<std::uint16_t>(16 * number), module, handle);
+  timeline.add(module);
+  return rack.insert(static_cast<std::uint16_t>(16 * number), module);
 }
 
 TEST(Families, PutModulesAtTheirOwnPlaces) {
@@ -222,8 +222,10 @@ TEST(Fx3, ModulesOccupyNoXAndY) {
   Rack rack(timeline, fx3u());
   FakeModule first(32);
   FakeModule second(32);
-  ASSERT_TRUE(rack.insert(0x00, first, timeline.add(first)));
-  ASSERT_TRUE(rack.insert(0x10, second, timeline.add(second))) << "the next position is the next module";
+  timeline.add(first);
+  ASSERT_TRUE(rack.insert(0x00, first));
+  timeline.add(second);
+  ASSERT_TRUE(rack.insert(0x10, second)) << "the next position is the next module";
   rack.power_on({});
   first.x = 0xFFFFFFFF;
   EXPECT_FALSE(bit(rack, Device::x, 0, {}));
@@ -245,23 +247,22 @@ class WatchingBlock final : public FakeModule {
   }
   void accessed(module::BufferAddress first, std::uint32_t count, can::Time now) override {
     accesses.emplace_back(first, count);
-    due = now + 10ms * words[26];
+    alarm() = now + 10ms * words[26];
   }
-  [[nodiscard]] can::Time deadline() const noexcept override { return due; }
   void tick(can::Time now) override {
     expired_at = now;
-    due = can::never;
+    alarm().cancel();
   }
 
   std::array<std::uint16_t, 20> received{};
   std::vector<std::pair<std::uint32_t, std::uint32_t>> accesses;
-  can::Time due = can::never;
   can::Time expired_at = can::never;
 };
 
 struct FxRack {
   FxRack() {
-    rack.insert(0x20, block, timeline.add(block));
+    timeline.add(block);
+    rack.insert(0x20, block);
     block.words[26] = 20;
     rack.power_on({});
   }
@@ -349,7 +350,8 @@ TEST(As300, RegistersOfACard_AreReadAndWrittenInIt) {
   can::Timeline timeline;
   Rack rack(timeline, as300());
   RegisterCard card;
-  ASSERT_TRUE(rack.insert(0x20, card, timeline.add(card)));
+  timeline.add(card);
+  ASSERT_TRUE(rack.insert(0x20, card));
   EXPECT_EQ(word(rack, Device::d, 24000, {}), 0) << "without supply";
   rack.power_on({});
   std::array<std::uint16_t, 5> found{};

@@ -30,13 +30,14 @@ TEST(Rack, Insert_OverlappingPoints_IsRefused) {
   Rack rack(timeline);
   FakeModule first;
   FakeModule second;
-  ASSERT_TRUE(rack.insert(0x20, first, timeline.add(first)));
-  const auto handle = timeline.add(second);
-  EXPECT_FALSE(rack.insert(0x30, second, handle));
-  EXPECT_FALSE(rack.insert(0x10, second, handle));
-  EXPECT_FALSE(rack.insert(0x48, second, handle));
-  EXPECT_FALSE(rack.insert(0xFF0, second, handle));
-  EXPECT_TRUE(rack.insert(0x40, second, handle));
+  timeline.add(first);
+  ASSERT_TRUE(rack.insert(0x20, first));
+  timeline.add(second);
+  EXPECT_FALSE(rack.insert(0x30, second));
+  EXPECT_FALSE(rack.insert(0x10, second));
+  EXPECT_FALSE(rack.insert(0x48, second));
+  EXPECT_FALSE(rack.insert(0xFF0, second));
+  EXPECT_TRUE(rack.insert(0x40, second));
   EXPECT_EQ(rack.module_at(0x20), &first);
   EXPECT_EQ(rack.module_at(0x30), nullptr);
   EXPECT_EQ(rack.module_at(0x40), &second);
@@ -352,14 +353,14 @@ struct BareModule final : module::Module {
   void set_observer(module::ModuleObserver* /*observer*/) override {}
   void receive(const can::Frame& /*frame*/, can::Time /*now*/) override {}
   void tick(can::Time /*now*/) override {}
-  [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
 };
 
 TEST(Rack, ModuleWithoutBufferMemoryAndSignals_HasNoWords_AndItsPointsReadZero) {
   can::Timeline timeline;
   Rack rack(timeline);
   BareModule module;
-  ASSERT_TRUE(rack.insert(0x20, module, timeline.add(module)));
+  timeline.add(module);
+  ASSERT_TRUE(rack.insert(0x20, module));
   rack.power_on({});
   std::array<std::uint16_t, 1> words{};
   EXPECT_EQ(error_of(rack.read_buffer(0x20, 0, words, {})), AccessError::beyond_buffer);

@@ -27,7 +27,8 @@ using namespace std::chrono_literals;
 /// A rack whose scan takes 5 ms, on since 1 s, with a module at 20H.
 struct ScannedRack {
   explicit ScannedRack(const CpuModel& model = r04cpu()) : rack(timeline, model, 5ms) {
-    rack.insert(0x20, module, timeline.add(module));
+    timeline.add(module);
+    rack.insert(0x20, module);
     timeline.run_until(can::Time{1s});
     rack.power_on(can::Time{1s});
   }

@@ -1,6 +1,7 @@
 #include "scenarios/scenario.hpp"
 
 #include <cstdio>
+#include <tuple>
 
 #include "canopus/module/interface/communication_module.hpp"
 
@@ -190,9 +191,14 @@ ModuleScenario& ModuleScenario::rx(const can::Frame& frame) {
   if (module == nullptr) {
     module_->receive(frame, now_);
   } else {
-    const can::Time before = module->deadline();
-    if (module->hear(frame, now_) == CommunicationModule::Heard::process_data) {
-      EXPECT_EQ(module->deadline(), before) << text(frame) << ": nobody would ask for it";
+    const auto shown = [&] {
+      return std::tuple(module->node().state(), module->layer2_state(), module->start_up());
+    };
+    const auto before = shown();
+    const std::uint64_t changes = module->change_count();
+    module->receive(frame, now_);
+    if (module->change_count() == changes) {
+      EXPECT_EQ(shown(), before) << text(frame) << ": nobody would look at it";
     }
   }
   settle();

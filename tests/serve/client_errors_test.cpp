@@ -19,7 +19,6 @@ using ::testing::IsEmpty;
 struct Client final : link::AttachedClient {
   void receive(const can::Frame&, can::Time) override {}
   void tick(can::Time) override {}
-  [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
   void unacknowledged(can::Time) override { heard.emplace_back("unacknowledged"); }
   void controller_error(std::uint32_t error_class, can::Time) override {
     heard.push_back("class " + std::to_string(error_class));
@@ -72,6 +71,7 @@ TEST_F(ClientErrors, OfAClientWithABitRateOfItsOwn_EndWithIt_AndTheNextClientHas
 }
 
 TEST_F(ClientErrors, OfABusWhereClientsHaveNoBitRatesOfTheirOwn_AreNotOfOne) {
+  attachment.reset();  // a client has one place
   ClientPorts others{bus, timeline, false};
   EXPECT_FALSE(others.attach(client)->restart(500'000));
 }

@@ -27,28 +27,22 @@ class RealTimeTest : public ::testing::Test, public plant::PlantObserver, public
     auto built = plant::Plant::build(reading.plant, *this);
     EXPECT_TRUE(built.has_value());
     plant_ = std::move(*built);
-    handle_ = plant_->timeline().add(*this);
+    plant_->timeline().add(*this);
     clock_ = std::make_unique<RealTime>(io_, *plant_, *this, can::never);
     clock_->wake_together(1h);
     clock_->start();
   }
   /// Somebody of the plant is due so much later.
-  void due_in(can::Duration duration) {
-    deadline_ = plant_->timeline().now() + duration;
-    plant_->timeline().refresh(handle_);
-  }
+  void due_in(can::Duration duration) { alarm() = plant_->timeline().now() + duration; }
 
   void tick(can::Time now) override {
     ++ticks_;
-    deadline_ = period_ == can::Duration::max() ? can::never : now + period_;
+    alarm() = period_ == can::Duration::max() ? can::never : now + period_;
   }
-  [[nodiscard]] can::Time deadline() const noexcept override { return deadline_; }
 
   boost::asio::io_context io_;
   std::unique_ptr<plant::Plant> plant_;
-  can::Timeline::Handle handle_ = 0;
   std::unique_ptr<RealTime> clock_;
-  can::Time deadline_ = can::never;
   can::Duration period_ = can::Duration::max();
   int ticks_ = 0;
 };

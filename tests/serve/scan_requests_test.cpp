@@ -66,7 +66,8 @@ class TimelineClock final : public link::LoopClock {
 class ScanRequests : public ::testing::Test {
  protected:
   ScanRequests() : rack_(timeline_, plc::r04cpu(), 10ms), clock_(timeline_) {
-    rack_.insert(0x00, module_, timeline_.add(module_));
+    timeline_.add(module_);
+    rack_.insert(0x00, module_);
     rack_.power_on({});
   }
 

@@ -60,17 +60,15 @@ struct Ledger : BusObserver {
 
 /// Something that happens to the bus at a moment, before the bus acts at that moment.
 struct Event final : can::Participant {
-  Event(can::Timeline& timeline, Time moment, std::function<void()> what)
-      : at(moment), happens(std::move(what)) {
+  Event(can::Timeline& timeline, Time moment, std::function<void()> what) : happens(std::move(what)) {
+    alarm() = moment;
     timeline.add(*this);
   }
   void receive(const Frame&, Time) override {}
   void tick(Time) override {
-    at = can::never;
+    alarm().cancel();
     happens();
   }
-  [[nodiscard]] Time deadline() const noexcept override { return at; }
-  Time at;
   std::function<void()> happens;
 };
 

@@ -97,11 +97,9 @@ class Judge final : public BusObserver, public WireObserver {
 struct Event final : can::Participant {
   void receive(const Frame&, Time) override {}
   void tick(Time now) override {
-    at = can::never;
+    alarm().cancel();
     happens(now);
   }
-  [[nodiscard]] Time deadline() const noexcept override { return at; }
-  Time at = can::never;
   std::function<void(Time)> happens;
 };
 
@@ -180,7 +178,7 @@ class Run {
     bus_.add_observer(static_cast<BusObserver&>(judge_));
     for (unsigned number = 0; number < script.stations; ++number) add_station();
     if (bit_by_bit) bus_.add_observer(static_cast<WireObserver&>(judge_));
-    event_handle_ = timeline_.add(event_);
+    timeline_.add(event_);
     stations_[listener]->on_change = [this](Time) {
       listener_passive_ =
           listener_passive_ || stations_[listener]->port.error_state() != can::ErrorState::error_active;
@@ -198,8 +196,7 @@ class Run {
         act(step);
       } else {
         event_.happens = [&](Time) { act(step); };
-        event_.at = moment;
-        timeline_.refresh(event_handle_);
+        event_.alarm() = moment;
         run_until(moment);
       }
       check_counters();
@@ -412,7 +409,6 @@ class Run {
   std::vector<std::unique_ptr<Station>> stations_;
   std::vector<Account> accounts_;
   Event event_;
-  can::Timeline::Handle event_handle_ = 0;
   unsigned serial_ = 0;
   bool drops_ = false;
   bool listener_passive_ = false;

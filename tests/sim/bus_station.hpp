@@ -25,22 +25,20 @@ struct Heard {
 
 class Station final : public can::Participant {
  public:
-  Station(Bus& bus, can::Timeline& the_timeline, std::string name)
-      : port(bus.add_port(std::move(name))), timeline_(the_timeline) {
-    handle_ = timeline_.add(*this);
-    port.connect(*this, handle_);
+  Station(Bus& bus, can::Timeline& the_timeline, std::string name) : port(bus.add_port(std::move(name))) {
+    can::Ticker::alarm().add_part(alarm);
+    can::Ticker::alarm().add_part(next_sending_);
+    the_timeline.add(*this);
+    port.connect(*this);
   }
   Station(const Station&) = delete;
   Station& operator=(const Station&) = delete;
-  ~Station() override {
-    port.disconnect();
-    timeline_.remove(handle_);
-  }
+  ~Station() override { port.disconnect(); }
 
   /// Moments in ascending order.
   void send_at(can::Time moment, const can::Frame& frame) {
     plan_.emplace_back(moment, frame);
-    timeline_.refresh(handle_);
+    set_next_sending();
   }
   [[nodiscard]] std::vector<can::Frame> frames() const {
     std::vector<can::Frame> all;
@@ -66,9 +64,7 @@ class Station final : public can::Participant {
       ticks.push_back(now);
     }
     while (next_ < plan_.size() && plan_[next_].first <= now) port.send(plan_[next_++].second);
-  }
-  [[nodiscard]] can::Time deadline() const noexcept override {
-    return next_ < plan_.size() ? std::min(alarm, plan_[next_].first) : alarm;
+    set_next_sending();
   }
 
   Port& port;
@@ -76,14 +72,15 @@ class Station final : public can::Participant {
   std::vector<Heard> sent;
   std::vector<can::Time> ticks;
   int changes = 0;
-  can::Time alarm = can::never;
+  can::Alarm alarm;
   std::function<void(const can::Frame&, can::Time)> on_receive;
   std::function<void(const can::Frame&, can::Time)> on_transmitted;
   std::function<void(can::Time)> on_change;
 
  private:
-  can::Timeline& timeline_;
-  can::Timeline::Handle handle_ = 0;
+  void set_next_sending() { next_sending_ = next_ < plan_.size() ? plan_[next_].first : can::never; }
+
+  can::Alarm next_sending_;
   std::vector<std::pair<can::Time, can::Frame>> plan_;
   std::size_t next_ = 0;
 };

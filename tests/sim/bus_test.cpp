@@ -51,40 +51,28 @@ TEST_F(BusTest, Frame_ArrivesAtTheEndOfItsLastBit) {
   EXPECT_EQ(c.heard, (std::vector<Heard>{{frame_of_53_bits, Time(53us)}}));
 }
 
-/// Counts how often its deadline is asked for. One frame moves it, no other does.
-struct Asked final : can::Participant {
-  explicit Asked(Port& of) : port(of) {}
+/// One frame sets its alarm, no other does.
+struct Woken final : can::Participant {
   void receive(const Frame& frame, Time now) override {
-    if (frame == frame_of_53_bits) next = now + 10us;
-    is_moved = frame == frame_of_53_bits;
+    if (frame == frame_of_53_bits) alarm() = now + 10us;
   }
-  [[nodiscard]] bool is_retimed() const noexcept override { return is_moved; }
   void tick(Time now) override {
     ticks.push_back(now);
-    next = can::never;
+    alarm().cancel();
   }
-  [[nodiscard]] Time deadline() const noexcept override {
-    ++asked;
-    return next;
-  }
-  Port& port;
   std::vector<Time> ticks;
-  Time next = can::never;
-  bool is_moved = true;
-  mutable unsigned asked = 0;
 };
 
-TEST_F(BusTest, AReceiverThatIsNotRetimed_IsNotAskedForItsDeadline) {
-  Asked asked(bus.add_port("asked"));
-  asked.port.connect(asked, timeline.add(asked, "asked"));
-  const unsigned before = asked.asked;
+TEST_F(BusTest, AReceiverThatSetsItsAlarm_GetsItsTickThen) {
+  Woken woken;
+  timeline.add(woken, "woken");
+  bus.add_port("woken").connect(woken);
   for (unsigned i = 0; i < 10; ++i) a.port.send(data_frame(0x181, {static_cast<std::uint8_t>(i)}));
   timeline.run_until(Time(2ms));
-  EXPECT_EQ(asked.asked, before);
+  EXPECT_TRUE(woken.ticks.empty());
   a.port.send(frame_of_53_bits);
   timeline.run_until(Time(3ms));
-  EXPECT_EQ(asked.asked, before + 2);  // after the frame, and after the tick that it led to
-  EXPECT_EQ(asked.ticks, std::vector{Time(2ms) + 53us + 10us});
+  EXPECT_EQ(woken.ticks, std::vector{Time(2ms) + 53us + 10us});
 }
 
 TEST_F(BusTest, Transmitter_HearsItsFrameAsSentOnly) {

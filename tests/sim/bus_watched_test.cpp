@@ -270,10 +270,9 @@ TEST(WatchedBus, CountersOfAControllerThatIsSwitchedOff_AreZeroInTheWaveformAtOn
   DriveAndEncoder one(twenty_bad_bits);
   Event off;
   off.happens = [&](Time) { one.encoder.port.set_power(false); };
-  off.at = Time(10'050us);
-  const auto handle = one.timeline.add(off);
+  off.alarm() = Time(10'050us);
+  one.timeline.add(off);
   EXPECT_EQ(one.record("encoder_rec").back(), "10050.00=0");
-  one.timeline.remove(handle);
 }
 
 /// The load at the end of the first and of the second second of a bus of 500 kbit/s on which a node sends 703#05 at this moment.

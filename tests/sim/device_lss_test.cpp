@@ -134,10 +134,9 @@ TEST_F(LssOnBus, BitRate_OfADeviceThatMovesAValue_ChangesAfterTheSwitchDelay) {
     EXPECT_EQ(device.add_behaviour(moving), std::nullopt);
     if (moves_first) device.enable_lss(port, nullptr);
     const can::Timeline::Handle handle = timeline.add(device);
-    port.connect(device, handle);
+    port.connect(device);
     device.power_on(timeline.now());
     device.node().command(canopen::NmtCommand::start, timeline.now());
-    timeline.refresh(handle);
     run_for(5ms);
     EXPECT_EQ(select(address), LssResult::done);
     EXPECT_EQ(set_bit_rate(2), LssResult::done);  // 500 kbit/s
@@ -256,7 +255,7 @@ TEST_F(LssOnBus, SlowScan_FindsAllOfAVendorsDevices_WithAndWithoutNodeId) {
   add({0x72, 0xED63, 1, 1});  // another vendor's, another product
   add({0x71, 0xED64, 1, 1});
   run_for(20ms);
-  master = LssMaster(station.port, *this, {.time_out = 5ms});
+  master.set_time_out(5ms);
   std::set<std::pair<std::uint32_t, std::uint32_t>> found;
   LssAddress low{0x71, 0xED63, 0, 0};
   LssAddress high{0x71, 0xED63, 0xFFFFFFFF, 0xFFFFFFFF};
@@ -307,7 +306,7 @@ TEST_F(LssOnBus, Fastscan_Finds32DevicesWithRandomIdentities_AndConfiguresAll_Bi
   std::map<std::uint8_t, LssAddress> given;
   for (int i = 0; i < 32; ++i) add(random_address(random));
   run_for(5ms);
-  master = LssMaster(station.port, *this, {.time_out = 2ms});
+  master.set_time_out(2ms);
   std::uint8_t next = 10;
   while (fastscan() == LssResult::done && next < 100) {
     given[next] = master.address();

@@ -70,21 +70,16 @@ class LssOnBus : public testing::Test, public lss::LssMasterUser {
       if (rate != bus.bit_rate()) port.restart(rate);
       device = std::make_unique<Device>(io_block(own), node_id, port);
       device->enable_lss(port, store);
-      handle = timeline.add(*device);
-      port.connect(*device, handle);
+      timeline.add(*device);
+      port.connect(*device);
       device->power_on(timeline.now());
-      timeline.refresh(handle);
     }
     Port& port;
     std::unique_ptr<Device> device;
-    can::Timeline::Handle handle = 0;
   };
 
   LssOnBus() {
-    station.on_receive = [this](const can::Frame& frame, can::Time now) {
-      master.receive(frame, now);
-      wake();
-    };
+    station.on_receive = [this](const can::Frame& frame, can::Time now) { master.receive(frame, now); };
   }
   virtual ~LssOnBus() = default;
 
@@ -127,14 +122,11 @@ class LssOnBus : public testing::Test, public lss::LssMasterUser {
     return service([&](can::Time now) { return master.fastscan(now); });
   }
   void run_for(can::Duration duration) { timeline.run_until(timeline.now() + duration); }
-  void wake() {}
   /// A power cut of this device.
   void cut(Seat& seat, can::Duration pause = 1s) {
     seat.device->power_off();
-    timeline.refresh(seat.handle);
     run_for(pause);
     seat.device->power_on(timeline.now());
-    timeline.refresh(seat.handle);
     run_for(5ms);
   }
   /// Everything heard with this identifier since the last call of forget().

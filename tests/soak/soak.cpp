@@ -103,11 +103,12 @@ std::shared_ptr<const canopen::DictionaryDescription> master_description() {
 struct Slave final : can::Participant {
   Slave(std::shared_ptr<const canopen::DictionaryDescription> description, std::uint8_t node_id,
         sim::Port& port)
-      : node(std::move(description), node_id, port) {}
+      : node(std::move(description), node_id, port) {
+    alarm().add_part(node.alarm());
+  }
   canopen::Node node;
   void receive(const can::Frame& frame, can::Time now) override { node.receive(frame, now); }
   void tick(can::Time now) override { node.tick(now); }
-  can::Time deadline() const noexcept override { return node.deadline(); }
 };
 
 /// The master, and a user that keeps a few SDO transfers going and checks each against the slave's own
@@ -119,7 +120,11 @@ class Master final : public manager::MasterNode,
   Master(sim::Port& port, std::vector<std::unique_ptr<Slave>>& slaves, std::uint64_t seed)
       : MasterNode(master_description(), master_id, port), slaves_(slaves), random_(seed) {
     master().set_listener(this);
-    for (Job& job : jobs_) job.client = std::make_unique<canopen::SdoClient>(port);
+    alarm().add_part(next_job_);
+    for (Job& job : jobs_) {
+      job.client = std::make_unique<canopen::SdoClient>(port);
+      alarm().add_part(job.client->alarm());
+    }
   }
   void power_on(can::Time now) {
     MasterNode::power_on(now);
@@ -140,11 +145,6 @@ class Master final : public manager::MasterNode,
       if (job.client->deadline() <= now) job.client->tick(now);
     }
     if (next_job_ <= now) start_jobs(now);
-  }
-  can::Time deadline() const noexcept override {
-    can::Time next = std::min(MasterNode::deadline(), next_job_);
-    for (const Job& job : jobs_) next = std::min(next, job.client->deadline());
-    return next;
   }
 
   void sdo_finished(canopen::SdoClient& client, can::Time now) override {
@@ -202,7 +202,7 @@ class Master final : public manager::MasterNode,
   std::mt19937_64 random_;
   std::array<Job, 4> jobs_;
   std::array<can::Time, 128> ask_again_{};
-  can::Time next_job_ = can::never;
+  can::Alarm next_job_;
 };
 
 std::vector<sim::Fault> random_faults(std::mt19937_64& random, can::Time from, can::Time until) {
@@ -263,25 +263,20 @@ int run(long minutes, std::uint64_t seed) {
   can::Timeline timeline;
   sim::Bus bus("line1", 1'000'000, timeline);
   std::vector<std::unique_ptr<Slave>> slaves;
-  std::vector<can::Timeline::Handle> handles;
   const auto description =
       slave_description(18);  // 126 frames of about 125 bits every 18 ms, and the rest: 0.9 of the bus
   for (std::uint8_t id = 1; id <= slave_count; ++id) {
     sim::Port& port = bus.add_port("node" + std::to_string(id));
     slaves.push_back(std::make_unique<Slave>(description, id, port));
-    handles.push_back(timeline.add(*slaves.back()));
-    port.connect(*slaves.back(), handles.back());
+    timeline.add(*slaves.back());
+    port.connect(*slaves.back());
   }
   sim::Port& port = bus.add_port("master");
   Master master(port, slaves, seed);
-  const auto master_handle = timeline.add(master);
-  port.connect(master, master_handle);
-  for (std::size_t i = 0; i < slaves.size(); ++i) {
-    slaves[i]->node.power_on(timeline.now());
-    timeline.refresh(handles[i]);
-  }
+  timeline.add(master);
+  port.connect(master);
+  for (const auto& slave : slaves) slave->node.power_on(timeline.now());
   master.power_on(timeline.now());
-  timeline.refresh(master_handle);
 
   std::mt19937_64 random(seed);
   const can::Time end = can::Time{std::chrono::minutes(minutes)};

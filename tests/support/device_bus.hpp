@@ -34,7 +34,8 @@ class DeviceBus {
     sim::Port& place = bus.add_port("device");
     devices_.push_back(std::make_unique<sim::Device>(file_, node_id, place));
     sim::Device& device = *devices_.back();
-    place.connect(device, timeline.add(device));
+    timeline.add(device);
+    place.connect(device);
     place.plug(true);
     device.power_on(timeline.now());
     device.node().dictionary().set<std::uint16_t>(0x1017, 0, heartbeat);
@@ -45,15 +46,12 @@ class DeviceBus {
   }
   /// Puts what is under test on the bus.
   void join(can::Participant& participant) {
-    handle_ = timeline.add(participant);
-    port.connect(participant, handle_);
+    timeline.add(participant);
+    port.connect(participant);
     port.plug(true);
     timeline.run_until(timeline.now() + std::chrono::milliseconds(1));
   }
-  void run_for(can::Duration duration) {
-    timeline.refresh(handle_);
-    timeline.run_until(timeline.now() + duration);
-  }
+  void run_for(can::Duration duration) { timeline.run_until(timeline.now() + duration); }
   [[nodiscard]] can::Time now() const { return timeline.now(); }
 
   can::Timeline timeline;
@@ -63,7 +61,6 @@ class DeviceBus {
  private:
   std::shared_ptr<const eds::DeviceFile> file_ = interop_device_file();
   std::vector<std::unique_ptr<sim::Device>> devices_;
-  can::Timeline::Handle handle_{};
 };
 
 }  // namespace canopus::support

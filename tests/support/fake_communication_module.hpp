@@ -59,6 +59,7 @@ class FakeCommunicationModule final : public module::CommunicationModule,
   [[nodiscard]] bool takes_word(module::BufferAddress, std::uint16_t) const override { return true; }
   [[nodiscard]] const module::ProgramInterface& program_interface() const noexcept override { return asked; }
   [[nodiscard]] const canopen::Node& node() const noexcept override { return node_; }
+  [[nodiscard]] std::uint64_t change_count() const noexcept override { return 0; }
   [[nodiscard]] std::vector<module::Led> leds(can::Time) const override { return {}; }
   [[nodiscard]] std::uint32_t flash_writes() const noexcept override { return 0; }
 
@@ -73,7 +74,7 @@ class FakeCommunicationModule final : public module::CommunicationModule,
   void write_word(module::BufferAddress address, std::uint16_t value, can::Time now) override {
     words[address] = value;
     if (observer != nullptr) observer->buffer_written(address, value, now);
-    if (address == exchange_word) exchanged_at_ = now + std::chrono::milliseconds(2);
+    if (address == exchange_word) alarm() = now + std::chrono::milliseconds(2);
   }
   [[nodiscard]] std::uint32_t inputs() const noexcept override { return 0; }
   [[nodiscard]] std::uint32_t outputs() const noexcept override { return 0; }
@@ -87,10 +88,9 @@ class FakeCommunicationModule final : public module::CommunicationModule,
 
   void receive(const can::Frame&, can::Time) override {}
   void tick(can::Time) override {
-    exchanged_at_ = can::never;
+    alarm().cancel();
     words[exchange_word] = 0;
   }
-  [[nodiscard]] can::Time deadline() const noexcept override { return exchanged_at_; }
 
  private:
   struct NoBus final : can::Sink {
@@ -100,7 +100,6 @@ class FakeCommunicationModule final : public module::CommunicationModule,
                           .variable(0x1000, {.name = "Device type", .access = canopen::Access::read_only})
                           .build(),
                       1, bus_};
-  can::Time exchanged_at_ = can::never;
 };
 
 }  // namespace canopus::support

@@ -184,7 +184,8 @@ void Node::Services::tick(TimerQueue::Number number, can::Time now) {
 Node::Node(std::shared_ptr<const DictionaryDescription> description, std::uint8_t node_id, can::Sink& sink,
            NodeOptions options)
     : context_(nullptr),
-      services_(std::make_unique<Services>(std::move(description), node_id, sink, filter_, options)) {
+      services_(
+          std::make_unique<Services>(std::move(description), node_id, sink, filter_, alarm(), options)) {
   context_ = services_.get();
 }
 
@@ -228,7 +229,7 @@ void Node::make_anew(std::shared_ptr<const DictionaryDescription> description, c
   const std::uint8_t node_id = services.next_node_id;
   const std::uint32_t revision = services.identifiers_revision;
   std::destroy_at(&services);
-  std::construct_at(&services, std::move(description), node_id, sink, filter_, options);
+  std::construct_at(&services, std::move(description), node_id, sink, filter_, alarm(), options);
   services.listener = listener;
   services.stored_parameters.set_store(store);
   services.identifiers_revision = revision + 1;
@@ -308,24 +309,24 @@ void Node::receive_passed(const can::Frame& frame, can::Time now) {
   if (services.identifiers_changed) services.receive(frame, now);
 }
 
-Node::Taken Node::take(const can::Frame& frame, can::Time now) {
-  if (!filter_.may_pass(frame.identifier)) return Taken::nothing;
+Node::ReceiveResult Node::receive_usual(const can::Frame& frame, can::Time now) {
+  if (!filter_.may_pass(frame.identifier)) return ReceiveResult::nothing;
   Services& services = *services_;
   if (is_base_data(frame)) {
     services.settle();
     const IdentifierTable::Slot* slot = services.table.look_up(frame.identifier);
-    if (slot == nullptr) return Taken::nothing;
+    if (slot == nullptr) return ReceiveResult::nothing;
     if (slot->found == ServiceKind::rpdo && services.rpdos.is_usual(slot->number, frame)) {
       services.rpdos.receive(slot->number, frame, services.sync_service.window_end(), now);
-      return Taken::process_data;
+      return ReceiveResult::process_data;
     }
     if (slot->found == ServiceKind::heartbeat && services.heartbeat_consumer.is_usual(slot->number, frame)) {
       services.heartbeat_consumer.receive(slot->number, frame, now);
-      return Taken::heartbeat;
+      return ReceiveResult::heartbeat;
     }
   }
   receive_passed(frame, now);
-  return Taken::other;
+  return ReceiveResult::other;
 }
 
 void Node::tick(can::Time now) {

@@ -118,16 +118,15 @@ class Node final : public can::Participant {
     if (filter_.may_pass(frame.identifier)) receive_passed(frame, now);
   }
   /// What a frame was for a node.
-  enum class Taken : std::uint8_t {
+  enum class ReceiveResult : std::uint8_t {
     nothing,  ///< it does not listen to it
     process_data,  ///< one RPDO took it, as it takes nearly all: values have changed, or will at the next SYNC, and nothing else
     heartbeat,  ///< of a node that was alive and still is; the listener hears its state
     other,      ///< anything may have changed
   };
   /// receive() for an owner that looks no further after what comes all the time.
-  Taken take(const can::Frame& frame, can::Time now);
+  ReceiveResult receive_usual(const can::Frame& frame, can::Time now);
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override { return context_->timers.next(); }
 
  private:
   struct Services;

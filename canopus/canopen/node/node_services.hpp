@@ -25,8 +25,8 @@ namespace canopus::canopen {
 
 struct Node::Services final : NodeContext, WriteObserver {
   Services(std::shared_ptr<const DictionaryDescription> description, std::uint8_t id, can::Sink& frames,
-           IdentifierFilter& node_filter, const NodeOptions& node_options)
-      : NodeContext(std::move(description), id, frames, node_filter, node_options), next_node_id(id) {
+           IdentifierFilter& node_filter, can::Alarm& alarm, const NodeOptions& node_options)
+      : NodeContext(std::move(description), id, frames, node_filter, alarm, node_options), next_node_id(id) {
     dictionary.set_write_observer(this);
   }
 

@@ -40,7 +40,7 @@ inline bool SdoClient::start(State state, const can::Frame& request, SdoClientUs
   restart_time_out(now);
   if (sink_->send(request)) return true;
   state_ = State::idle;
-  deadline_ = can::never;
+  alarm_ = can::never;
   return false;
 }
 
@@ -115,14 +115,14 @@ void SdoClient::cancel(AbortCode code) {
 void SdoClient::drop(AbortCode code) noexcept {
   state_ = State::idle;
   block_sender_.stop();
-  deadline_ = can::never;
+  alarm_ = can::never;
   abort_code_ = code;
 }
 
 void SdoClient::finish(AbortCode code, can::Time now) {
   state_ = State::idle;
   block_sender_.stop();
-  deadline_ = can::never;
+  alarm_ = can::never;
   abort_code_ = code;
   user_->sdo_finished(*this, now);  // may start the next transfer
 }
@@ -283,16 +283,16 @@ void SdoClient::segment_downloaded(const can::Frame& frame, can::Time now) {
 }
 
 void SdoClient::tick(can::Time now) {
-  if (!busy() || now < deadline_) return;
+  if (!busy() || now < alarm_) return;
   const can::Time end = can::later(last_heard_, time_out_);
   if (now >= end) return give_up(AbortCode::timed_out, now);
   if (state_ == State::block_download && block_sender_.is_sending())
     return send_block(now);  // the transmit queue was full
-  deadline_ = end;
+  alarm_ = end;
   if (state_ != State::block_upload) return;
   const can::Duration pause = time_out_ / 4;
   const bool is_silent = now >= can::later(last_heard_, pause);
-  deadline_ = std::min(end, can::later(is_silent ? now : last_heard_, pause));
+  alarm_ = std::min(end, can::later(is_silent ? now : last_heard_, pause));
   if (is_silent && block_receiver_.may_confirm_early()) {
     sink_->send(block_receiver_.early_confirmation(request_));
   }

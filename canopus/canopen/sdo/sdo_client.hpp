@@ -105,7 +105,8 @@ class SdoClient {
     return true;
   }
   void tick(can::Time now);
-  [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
+  [[nodiscard]] can::Time deadline() const noexcept { return alarm_.deadline(); }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
 
  private:
   enum class State : std::uint8_t {
@@ -137,7 +138,7 @@ class SdoClient {
   [[nodiscard]] bool is_about_this_object(const can::Frame& frame) const noexcept;
   void restart_time_out(can::Time now) noexcept {
     last_heard_ = now;
-    deadline_ = can::later(now, time_out_);
+    alarm_ = can::later(now, time_out_);
   }
 
   void upload_initiated(const can::Frame& frame, can::Time now);
@@ -185,7 +186,7 @@ class SdoClient {
   BlockReceiver block_receiver_;
   can::Duration time_out_ = default_time_out;
   can::Time last_heard_{};
-  can::Time deadline_ = can::never;
+  can::Alarm alarm_;
 };
 
 }  // namespace canopus::canopen

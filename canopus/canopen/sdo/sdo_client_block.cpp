@@ -60,7 +60,7 @@ void SdoClient::block_upload_initiated(const can::Frame& frame, can::Time now) {
   block_receiver_.begin(own_block_size, with_crc, frame);
   state_ = State::block_upload;
   restart_time_out(now);
-  deadline_ = can::later(now, time_out_ / 4);
+  alarm_ = can::later(now, time_out_ / 4);
   sink_->send(sdo::frame(request_, 0xA3));
 }
 
@@ -99,8 +99,8 @@ void SdoClient::send_block(can::Time now) {
   const AbortCode code = block_sender_.send(source_, *sink_, request_);
   if (code != AbortCode::none) return give_up(code, now);
   if (state_ != State::block_download) return;  // ended by answers that came meanwhile
-  deadline_ = block_sender_.is_sending() ? can::later(now, BlockSender::full_queue_retry)
-                                         : can::later(last_heard_, time_out_);
+  alarm_ = block_sender_.is_sending() ? can::later(now, BlockSender::full_queue_retry)
+                                      : can::later(last_heard_, time_out_);
 }
 
 void SdoClient::block_confirmed(const can::Frame& frame, can::Time now) {

@@ -28,8 +28,9 @@ struct CommunicationError {
 class alignas(64) NodeContext {
  public:
   NodeContext(std::shared_ptr<const DictionaryDescription> description, std::uint8_t id, can::Sink& frames,
-              IdentifierFilter& node_filter, const NodeOptions& node_options)
-      : node_id(id),
+              IdentifierFilter& node_filter, can::Alarm& alarm, const NodeOptions& node_options)
+      : timers(alarm),
+        node_id(id),
         sink(frames),
         dictionary(std::move(description), id),
         filter(node_filter),
@@ -64,7 +65,7 @@ class alignas(64) NodeContext {
   // From the next deadline of the timers to where the dictionary's values lie: what a node needs that sends, in one cache
   // line.
   TimerQueue timers;
-  bool identifiers_changed = true;
+  bool identifiers_changed = true;  // by change_identifiers() alone
   NmtState state = NmtState::initialising;
   std::uint8_t node_id = 0;
   bool active_master = false;

@@ -48,7 +48,7 @@ void TimerQueue::sift_down(std::size_t position) noexcept {
 
 void TimerQueue::change(Number number, can::Time deadline) noexcept {
   move(number, deadline);
-  next_ = heap_.empty() ? can::never : deadlines_[heap_.front()];
+  alarm_->set(heap_.empty() ? can::never : deadlines_[heap_.front()]);
 }
 
 void TimerQueue::move(Number number, can::Time deadline) noexcept {
@@ -79,7 +79,7 @@ void TimerQueue::stop_all() noexcept {
     positions_[number] = stopped;
   }
   heap_.clear();
-  next_ = can::never;
+  alarm_->cancel();
 }
 
 TimerQueue::Number TimerQueue::pop() noexcept {

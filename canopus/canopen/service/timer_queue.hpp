@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "canopus/can/alarm.hpp"
 #include "canopus/can/time.hpp"
 
 namespace canopus::canopen {
@@ -13,6 +14,9 @@ namespace canopus::canopen {
 class TimerQueue {
  public:
   using Number = std::uint16_t;
+
+  /// `alarm` stands at the earliest deadline from now on; it must outlive the queue.
+  explicit TimerQueue(can::Alarm& alarm) noexcept : alarm_(&alarm) { alarm.cancel(); }
 
   /// Makes `count` timers with consecutive numbers; returns the first number.
   Number add(std::size_t count = 1);
@@ -27,7 +31,7 @@ class TimerQueue {
   [[nodiscard]] std::size_t size() const noexcept { return deadlines_.size(); }
 
   /// The earliest deadline, or never.
-  [[nodiscard]] can::Time next() const noexcept { return next_; }
+  [[nodiscard]] can::Time next() const noexcept { return alarm_->deadline(); }
   /// Stops the earliest timer, which must exist, and returns its number.
   Number pop() noexcept;
 
@@ -43,7 +47,7 @@ class TimerQueue {
   std::vector<std::uint16_t> positions_;  // in heap_
   std::vector<Number> heap_;
   std::vector<can::Time> deadlines_;
-  can::Time next_ = can::never;  // here, for it is asked at every turn and lies behind two pointers
+  can::Alarm* alarm_;
 };
 
 }  // namespace canopus::canopen

@@ -17,6 +17,7 @@ class LssOnBus final : public can::Participant, private lss::LssMasterUser, priv
   LssOnBus(BusLoop& bus, can::Duration time_out)
       : bus_(bus), time_out_(time_out), master_(*this, *this, {.time_out = time_out}) {
     bus_.need({link::IdentifierFilter::only(lss::from_slave)});
+    alarm().add_part(master_.alarm());
     bus_.add(*this);
   }
   ~LssOnBus() override { bus_.remove(*this); }
@@ -58,7 +59,6 @@ class LssOnBus final : public can::Participant, private lss::LssMasterUser, priv
 
   void receive(const can::Frame& frame, can::Time now) override { master_.receive(frame, now); }
   void tick(can::Time now) override { master_.tick(now); }
-  [[nodiscard]] can::Time deadline() const noexcept override { return master_.deadline(); }
 
  private:
   void lss_finished(lss::LssMaster&, lss::LssResult result, can::Time) override { result_ = result; }

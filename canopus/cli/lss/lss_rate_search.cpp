@@ -86,6 +86,7 @@ class SearchOnBus final : public can::Participant, private lss::LssSearchUser, p
         rate_(rate),
         search_(*this, *this, {.settle_time = settle_time, .to_waiting_first = true}) {
     bus_.need({link::IdentifierFilter::only(lss::from_slave)});
+    alarm().add_part(search_.alarm());
     bus_.add(*this);
   }
   ~SearchOnBus() override { bus_.remove(*this); }
@@ -116,7 +117,6 @@ class SearchOnBus final : public can::Participant, private lss::LssSearchUser, p
     search_.receive(frame, now);
   }
   void tick(can::Time now) override { search_.tick(now); }
-  [[nodiscard]] can::Time deadline() const noexcept override { return search_.deadline(); }
 
  private:
   bool send(const can::Frame& frame) override { return bus_.send(frame); }

@@ -66,8 +66,8 @@ void TraceWriter::controller_changed(const can::ControllerReport& report, can::T
 }
 
 void TraceWriter::write(const trace::TraceRecord& record) {
-  if (timeline_.is_apart()) {
-    held_.push_back({timeline_.moment(), record});
+  if (timeline_.runs_alone()) {
+    held_.push_back({timeline_.stamp(), record});
   } else {
     file_.write(bus_, record);
   }
@@ -75,14 +75,14 @@ void TraceWriter::write(const trace::TraceRecord& record) {
 
 void TraceWriter::release(std::span<const std::unique_ptr<TraceWriter>> writers) {
   struct Next {
-    can::Moment moment;
+    can::TickStamp stamp;
     TraceWriter* writer;
     std::size_t number;
   };
-  const auto is_later = [](const Next& one, const Next& other) { return other.moment < one.moment; };
+  const auto is_later = [](const Next& one, const Next& other) { return other.stamp < one.stamp; };
   std::vector<Next> heap;  // first in front
   for (const auto& writer : writers) {
-    if (!writer->held_.empty()) heap.push_back({writer->held_.front().moment, writer.get(), 0});
+    if (!writer->held_.empty()) heap.push_back({writer->held_.front().stamp, writer.get(), 0});
   }
   std::ranges::make_heap(heap, is_later);
   while (!heap.empty()) {
@@ -91,7 +91,7 @@ void TraceWriter::release(std::span<const std::unique_ptr<TraceWriter>> writers)
     std::vector<Held>& held = next.writer->held_;
     next.writer->file_.write(next.writer->bus_, held[next.number].record);
     if (++next.number < held.size()) {
-      next.moment = held[next.number].moment;
+      next.stamp = held[next.number].stamp;
       std::ranges::push_heap(heap, is_later);
     } else {
       held.clear();
@@ -136,7 +136,7 @@ void VcdFile::fail(int reason) {
 void VcdFile::write(std::string_view text) {
   if (stream_ == nullptr) {
     if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail(errno);
-  } else if (timeline_.is_apart()) {
+  } else if (timeline_.runs_alone()) {
     held_ += text;
   } else if (!stream_->is_incomplete()) {  // a waveform with a hole would show edges that never were
     (void)stream_->write(text);

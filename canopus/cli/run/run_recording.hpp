@@ -63,7 +63,7 @@ class TraceWriter final : public can::BusObserver {
 
  private:
   struct Held {
-    can::Moment moment;
+    can::TickStamp stamp;
     trace::TraceRecord record;
   };
   void write(const trace::TraceRecord& record);

@@ -16,16 +16,16 @@ void TracePlayer::start(can::Time now, can::Duration first) {
   started_ = now;
   first_ = first;
   done_ = false;
-  due_ = now;
+  alarm() = now;
   take();
-  due_ = std::max(due_, now);
+  alarm() = std::max(deadline(), now);
 }
 
 void TracePlayer::take() {
   next_ = source_();
   if (!next_) {
     done_ = true;
-    due_ = can::never;
+    alarm() = can::never;
     return;
   }
   if (speed_ == 0) return;
@@ -34,14 +34,14 @@ void TracePlayer::take() {
   const can::Duration wait(since <= 0      ? 0
                            : since >= 9e18 ? can::Duration::max().count()
                                            : static_cast<std::int64_t>(since));
-  due_ = std::max(due_, can::later(started_, wait));
+  alarm() = std::max(deadline(), can::later(started_, wait));
 }
 
 void TracePlayer::tick(can::Time now) {
-  for (int i = 0; i < at_once && next_ && due_ <= now; ++i) {
+  for (int i = 0; i < at_once && next_ && deadline() <= now; ++i) {
     held_ = !bus_.send(next_->frame);
     if (held_) {
-      due_ = now + pause;
+      alarm() = now + pause;
       return;
     }
     ++sent_;
@@ -49,7 +49,7 @@ void TracePlayer::tick(can::Time now) {
     take();
   }
   // what is late stays due, but others on the loop come first
-  if (next_ && due_ <= now) due_ = now + can::Duration(1);
+  if (next_ && deadline() <= now) alarm() = now + can::Duration(1);
 }
 
 }  // namespace canopus::cli

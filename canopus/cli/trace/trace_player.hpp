@@ -36,7 +36,6 @@ class TracePlayer final : public can::Participant {
 
   void receive(const can::Frame& /*frame*/, can::Time /*now*/) override {}
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override { return due_; }
 
  private:
   void take();
@@ -48,7 +47,6 @@ class TracePlayer final : public can::Participant {
   can::Duration first_{};
   can::Duration position_{};
   std::optional<Step> next_;
-  can::Time due_ = can::never;
   std::uint64_t sent_ = 0;
   bool held_ = false;
   bool done_ = false;

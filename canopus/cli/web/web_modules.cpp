@@ -53,10 +53,9 @@ std::optional<std::size_t> number_of(const text::Json& wish, std::size_t count) 
 
 }  // namespace
 
-WebModules::WebModules(plant::Plant& plant, link::LoopClock& clock)
-    : plant_(plant), clock_(clock), handle_(plant.timeline().add(*this, "the page's requests to modules")) {}
-
-WebModules::~WebModules() { plant_.timeline().remove(handle_); }
+WebModules::WebModules(plant::Plant& plant, link::LoopClock& clock) : plant_(plant), clock_(clock) {
+  plant.timeline().add(*this, "the page's requests to modules");
+}
 
 void WebModules::clear_errors(const text::Json& wish, Done done) { begin(wish, false, std::move(done)); }
 void WebModules::restart(const text::Json& wish, Done done) { begin(wish, true, std::move(done)); }
@@ -131,14 +130,13 @@ void WebModules::begin(const text::Json& wish, bool is_restart, Done done) {
     const std::uint16_t value = job->request().value;
     (void)job->rack->write_buffer(section.head, job->request().word, std::span(&value, 1), now);
   }
-  if (jobs_.empty()) next_ = can::later(now, look_interval);
+  if (jobs_.empty()) alarm() = can::later(now, look_interval);
   jobs_.push_back(std::move(*job));
-  plant_.timeline().refresh(handle_);
   clock_.touched();
 }
 
 void WebModules::tick(can::Time now) {
-  next_ = can::later(now, look_interval);
+  alarm() = can::later(now, look_interval);
   for (Job& job : jobs_) step(job, now);
   // Who hears of it may ask for the next one at once.
   std::vector<std::pair<Done, std::expected<Json, std::string>>> told;
@@ -146,6 +144,7 @@ void WebModules::tick(can::Time now) {
     if (std::exchange(job.has_result, false))
       told.emplace_back(std::exchange(job.done, {}), std::move(job.result));
   std::erase_if(jobs_, [](const Job& job) { return job.is_over; });
+  if (jobs_.empty()) alarm().cancel();
   for (auto& [done, result] : told) done(std::move(result));
 }
 

@@ -29,7 +29,6 @@ class WebModules final : private can::Ticker {
 
   /// Both must outlive this.
   WebModules(plant::Plant& plant, link::LoopClock& clock);
-  ~WebModules() override;
   WebModules(const WebModules&) = delete;
   WebModules& operator=(const WebModules&) = delete;
 
@@ -69,7 +68,6 @@ class WebModules final : private can::Ticker {
 
   // can::Ticker
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override { return jobs_.empty() ? can::never : next_; }
 
   void begin(const text::Json& wish, bool is_restart, Done done);
   [[nodiscard]] std::expected<Job, std::string> job_of(const text::Json& wish, bool is_restart);
@@ -83,8 +81,6 @@ class WebModules final : private can::Ticker {
 
   plant::Plant& plant_;
   link::LoopClock& clock_;
-  can::Timeline::Handle handle_;
-  can::Time next_ = can::never;
   std::vector<Job> jobs_;  // few: one for each module at most
 };
 

@@ -51,7 +51,10 @@ struct Gateway::Channel final : canopen::SdoClientUser {
 };
 
 Gateway::Gateway(can::Sink& bus, std::uint8_t node_id, std::string version)
-    : bus_(bus), node_id_(node_id), version_(std::move(version)), pdos_(bus_, *this), lss_(bus_) {}
+    : bus_(bus), node_id_(node_id), version_(std::move(version)), pdos_(bus_, *this), lss_(bus_) {
+  for (can::Alarm* part : {&pdos_.alarm(), &lss_.alarm(), &next_heartbeat_, &next_watch_})
+    alarm().add_part(*part);
+}
 
 Gateway::~Gateway() {
   for (const auto& channel : channels_) {
@@ -76,7 +79,10 @@ void Gateway::controller_error(GatewayError error) {
 
 Gateway::Ticket Gateway::transfer(Transfer transfer, can::Time now) {
   auto& channel = channels_.at(transfer.node);
-  if (channel == nullptr) channel = std::make_unique<Channel>(bus_, transfer.node);
+  if (channel == nullptr) {
+    channel = std::make_unique<Channel>(bus_, transfer.node);
+    alarm().add_part(channel->client.alarm());
+  }
   const Ticket ticket = ++last_ticket_;
   channel->jobs.push_back({ticket, std::move(transfer)});
   channel->start(now);
@@ -116,6 +122,7 @@ void Gateway::watch_heartbeat(std::uint8_t node, can::Duration time, can::Time) 
   } else {
     watches_[node] = {.time = time};  // from the first heartbeat on [CiA 301 7.2.8.2.2.2]
   }
+  set_watch_alarm();
 }
 
 void Gateway::watch_guarding(std::uint8_t node, can::Duration time, unsigned factor, can::Time now) {
@@ -124,6 +131,7 @@ void Gateway::watch_guarding(std::uint8_t node, can::Duration time, unsigned fac
   } else {
     watches_[node] = {.time = time, .factor = std::max(1U, factor), .heard = now, .deadline = now};
   }
+  set_watch_alarm();
 }
 
 void Gateway::set_heartbeat(can::Duration period, can::Time now) {
@@ -144,6 +152,7 @@ void Gateway::watched(unsigned node, std::uint8_t state, can::Time now) {
   Watch& watch = watches_[node];
   watch.heard = now;
   if (watch.factor == 0) watch.deadline = now + watch.time;
+  set_watch_alarm();
   if (!std::exchange(watch.alive, true) && watch.factor == 0)
     node_event(node, GatewayError::heartbeat_started);
   watch.lost = watch.asked = watch.missed = false;
@@ -159,11 +168,13 @@ void Gateway::look_at(unsigned node, can::Time now) {
   Watch& watch = watches_[node];
   if (watch.factor == 0) {
     watch.deadline = can::never;
+    set_watch_alarm();
     watch.alive = false;
     watch.state = 0xFF;
     return node_event(node, GatewayError::heartbeat_lost);
   }
   watch.deadline = now + watch.time;
+  set_watch_alarm();
   const bool missed = std::exchange(watch.asked, true);
   (void)bus_.send(can::remote_frame(canopen::cob_id::error_control + node, 1));
   if (missed && !std::exchange(watch.missed, true)) node_event(node, GatewayError::guarding_lost);
@@ -200,6 +211,7 @@ std::expected<void, std::string> Gateway::restart(std::uint32_t bit_rate) {
 
 void Gateway::reset(can::Time now) {
   watches_.clear();
+  set_watch_alarm();
   commanded_ = {};
   pdos_.clear();
   next_heartbeat_ = can::never;
@@ -255,13 +267,10 @@ void Gateway::tick(can::Time now) {
   }
 }
 
-can::Time Gateway::deadline() const noexcept {
-  can::Time first = std::min({next_heartbeat_, pdos_.deadline(), lss_.deadline()});
-  for (const auto& channel : channels_) {
-    if (channel != nullptr) first = std::min(first, channel->client.deadline());
-  }
+void Gateway::set_watch_alarm() {
+  can::Time first = can::never;
   for (const auto& [node, watch] : watches_) first = std::min(first, watch.deadline);
-  return first;
+  next_watch_ = first;
 }
 
 }  // namespace canopus::client

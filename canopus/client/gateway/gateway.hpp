@@ -95,7 +95,6 @@ class Gateway final : public can::Participant, private GatewayPdoUser {
   // can::Participant
   void receive(const can::Frame& frame, can::Time now) override;
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override;
 
  private:
   struct Channel;
@@ -125,6 +124,8 @@ class Gateway final : public can::Participant, private GatewayPdoUser {
   void error_control(unsigned node, const can::Frame& frame, can::Time now);
   void watched(unsigned node, std::uint8_t state, can::Time now);
   void look_at(unsigned node, can::Time now);
+  /// next_watch_ stands at the earliest of the watches.
+  void set_watch_alarm();
 
   Way bus_;
   std::uint8_t node_id_;
@@ -137,7 +138,8 @@ class Gateway final : public can::Participant, private GatewayPdoUser {
   GatewayLss lss_;
   Restart restart_;
   can::Duration heartbeat_{};
-  can::Time next_heartbeat_ = can::never;
+  can::Alarm next_heartbeat_;
+  can::Alarm next_watch_;
   Ticket last_ticket_ = 0;
 };
 

@@ -34,7 +34,10 @@ class GatewayLss final : public can::Participant, private lss::LssMasterUser {
     bool goes_on = false;  ///< to its end, though its client is gone
   };
 
-  explicit GatewayLss(can::Sink& bus) : master_(bus, *this) {}
+  explicit GatewayLss(can::Sink& bus) : master_(bus, *this) {
+    alarm().add_part(master_.alarm());
+    alarm().add_part(pause_);
+  }
 
   void request(Ticket ticket, Request request, can::Time now);
   /// `done` is not called.
@@ -45,7 +48,6 @@ class GatewayLss final : public can::Participant, private lss::LssMasterUser {
   // can::Participant
   void receive(const can::Frame& frame, can::Time now) override { master_.receive(frame, now); }
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override { return std::min(pause_, master_.deadline()); }
 
  private:
   struct Job {
@@ -60,7 +62,7 @@ class GatewayLss final : public can::Participant, private lss::LssMasterUser {
   lss::LssMaster master_;
   std::deque<Job> jobs_;  // the first one is running
   bool running_ = false;
-  can::Time pause_ = can::never;
+  can::Alarm pause_;
 };
 
 }  // namespace canopus::client

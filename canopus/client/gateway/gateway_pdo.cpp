@@ -57,6 +57,7 @@ GatewayError GatewayPdos::set(Pdos& pdos, unsigned number, GatewayPdo pdo) {
     }
   }
   pdos[number] = std::move(pdo);
+  set_alarm();
   return GatewayError::none;
 }
 
@@ -64,6 +65,7 @@ void GatewayPdos::clear() {
   rpdos_.clear();
   tpdos_.clear();
   waiting_.clear();
+  set_alarm();
 }
 
 const GatewayPdo* GatewayPdos::rpdo(unsigned number) const {
@@ -108,6 +110,7 @@ GatewayError GatewayPdos::write(unsigned number, std::span<const std::uint64_t> 
   if (now < pdo.inhibited_until) {
     pdo.waits = true;
     pdo.next = pdo.inhibited_until;
+    set_alarm();
     return GatewayError::none;
   }
   return send(pdo, now) ? GatewayError::none : GatewayError::overflow;
@@ -127,6 +130,7 @@ bool GatewayPdos::send(GatewayPdo& pdo, can::Time now) {
     pdo.inhibited_until = can::later(now, pdo.inhibit_time);
     pdo.next = pdo.event_timer.count() == 0 ? can::never
                                             : can::later(now, std::max(pdo.event_timer, pdo.inhibit_time));
+    set_alarm();
   }
   return bus_.send(frame);
 }
@@ -137,10 +141,10 @@ void GatewayPdos::tick(can::Time now) {
   }
 }
 
-can::Time GatewayPdos::deadline() const noexcept {
+void GatewayPdos::set_alarm() {
   can::Time first = can::never;
   for (const auto& [number, pdo] : tpdos_) first = std::min(first, pdo.next);
-  return first;
+  alarm() = first;
 }
 
 // --- receiving

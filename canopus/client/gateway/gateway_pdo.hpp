@@ -76,10 +76,11 @@ class GatewayPdos final : public can::Participant {
   // can::Participant
   void receive(const can::Frame& frame, can::Time now) override;
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override;
 
  private:
   using Pdos = std::map<unsigned, GatewayPdo>;
+  /// The alarm stands at the earliest of the TPDOs.
+  void set_alarm();
   struct Waiting {
     Ticket ticket;
     unsigned number;

@@ -25,6 +25,7 @@ class GatewayServer::Client final : public link::TcpClient<Client>, private Gate
   Client(GatewayServer& server, link::TcpPort::Socket socket)
       : TcpClient(server.clients_, link::name_of_peer(socket)), server_(server), socket_(std::move(socket)) {
     session_.emplace(server.gateway_, static_cast<GatewaySession::Peer&>(*this));
+    server.alarm().add_part(session_->alarm());
   }
 
   /// While a command is under way, too: whether the client is still there is known by reading alone.
@@ -57,7 +58,6 @@ class GatewayServer::Client final : public link::TcpClient<Client>, private Gate
     session_->tick(now);
     go_on();
   }
-  [[nodiscard]] can::Time deadline() const noexcept { return session_->deadline(); }
   void close() {
     if (session_) session_->end(server_.clock_());
     session_.reset();
@@ -122,7 +122,9 @@ GatewayServer::GatewayServer(asio::io_context& io, Gateway& gateway, Clock clock
     : gateway_(gateway),
       clock_(std::move(clock)),
       options_(std::move(options)),
-      clients_(io, {.allowed = options_.allowed, .most = options_.clients}, std::move(report)) {}
+      clients_(io, {.allowed = options_.allowed, .most = options_.clients}, std::move(report)) {
+  alarm().add_part(gateway_.alarm());
+}
 
 GatewayServer::~GatewayServer() { clients_.close(); }
 
@@ -154,12 +156,6 @@ void GatewayServer::tick(can::Time now) {
   if (gateway_.deadline() <= now) gateway_.tick(now);
   const auto clients = clients_.all();
   for (const auto& client : clients) client->tick(now);
-}
-
-can::Time GatewayServer::deadline() const noexcept {
-  can::Time first = gateway_.deadline();
-  for (const auto& client : clients_.all()) first = std::min(first, client->deadline());
-  return first;
 }
 
 }  // namespace canopus::client

@@ -49,7 +49,6 @@ class GatewayServer final : public can::Participant {
   // can::Participant: for the gateway and the sessions
   void receive(const can::Frame& frame, can::Time now) override;
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override;
 
  private:
   class Client;

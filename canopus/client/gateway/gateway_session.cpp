@@ -282,13 +282,13 @@ void GatewaySession::read_or_write(Words& words, bool write, can::Time now) {
 
 /// A command that waits for the bus. It may be over before its ticket is known.
 void GatewaySession::begins(can::Time now, bool limited) {
-  deadline_ = limited && command_time_out_.count() != 0 ? can::later(now, command_time_out_) : can::never;
+  alarm() = limited && command_time_out_.count() != 0 ? can::later(now, command_time_out_) : can::never;
   ticket_ = 0;
 }
 
 void GatewaySession::goes_on(can::Time now) {
   ticket_.reset();
-  deadline_ = can::never;
+  alarm() = can::never;
   read_input(now);
 }
 
@@ -308,7 +308,7 @@ void GatewaySession::finished(AbortCode code, std::span<const std::uint8_t> byte
 }
 
 void GatewaySession::tick(can::Time now) {
-  if (now < deadline_ || !ticket_) return;
+  if (now < deadline() || !ticket_) return;
   gateway_.call_off(*ticket_, now);
   answer(GatewayError::time_out);
   goes_on(now);

@@ -58,7 +58,6 @@ class GatewaySession final : public can::Ticker, private GatewayListener {
 
   // can::Ticker: the time-out of a command
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override { return deadline_; }
 
  private:
   using Words = GatewayWords;
@@ -110,7 +109,6 @@ class GatewaySession final : public can::Ticker, private GatewayListener {
   std::optional<GatewayType> type_;  // of the value that is read
   bool reading_ = false;             // lines
   bool reads_ = false;
-  can::Time deadline_ = can::never;
 
   unsigned network_ = Gateway::network;
   std::optional<std::uint8_t> node_;

@@ -97,7 +97,7 @@ void GatewaySession::read_pdo(Words& words, can::Time now) {
   if (!ticket) return answer(GatewayError::overflow);
   begins(now);
   ticket_ = ticket;
-  deadline_ = std::min(deadline_, can::later(now, sdo_time_out_));
+  alarm().bring_forward(can::later(now, sdo_time_out_));
 }
 
 void GatewaySession::write_pdo(Words& words, can::Time now) {

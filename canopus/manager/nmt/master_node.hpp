@@ -21,6 +21,8 @@ class MasterNode : public can::Participant, protected canopen::NodeListener {
              const MasterOptions& master_options = {})
       : node_(std::move(description), node_id, sink, node_options), master_(node_, sink, master_options) {
     node_.set_listener(this);
+    alarm().add_part(node_.alarm());
+    alarm().add_part(master_.alarm());
   }
 
   /// The node starts, and with it the start-up of the network.
@@ -47,9 +49,6 @@ class MasterNode : public can::Participant, protected canopen::NodeListener {
   void tick(can::Time now) override {
     if (node_.deadline() <= now) node_.tick(now);
     if (master_.deadline() <= now) master_.tick(now);
-  }
-  [[nodiscard]] can::Time deadline() const noexcept override {
-    return std::min(node_.deadline(), master_.deadline());
   }
 
  protected:

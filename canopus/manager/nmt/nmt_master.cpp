@@ -18,7 +18,10 @@ NmtMaster::NmtMaster(canopen::Node& the_node, can::Sink& sink, const MasterOptio
       error_control_(*this),
       start_up_(*this, link_, link_.wire()),
       flying_(*this, link_, start_up_, error_control_, commands_),
-      nmt_requests_(*this, start_up_, error_control_) {}
+      nmt_requests_(*this, start_up_, error_control_) {
+  alarm().add_part(timers.alarm());
+  alarm().add_part(requests_.alarm());
+}
 
 void NmtMaster::start(can::Time now) {
   stop(now);

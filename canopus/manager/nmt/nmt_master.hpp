@@ -68,9 +68,6 @@ class NmtMaster final : public can::Participant, private MasterContext, private 
   /// SDO requests that wait for a full bus do not time out if the owner passes this on.
   void transmitted(const can::Frame& frame, can::Time now) override;
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override {
-    return std::min(timers.earliest(), requests_.deadline());
-  }
   void own_state_changed(canopen::NmtState, can::Time now) { start_up_.own_state_changed(now); }
   void heartbeat_received(std::uint8_t node_id, canopen::NmtState state, can::Time now) {
     error_control_.heartbeat_received(node_id, state, now);

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "canopus/can/alarm.hpp"
 #include "canopus/can/time.hpp"
 
 namespace canopus::manager {
@@ -24,7 +25,10 @@ class NodeTimers {
       place /= 2;
       tree_[place] = std::min(tree_[2 * place], tree_[2 * place + 1]);
     }
+    alarm_ = tree_[1];
   }
+  /// At earliest().
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
   [[nodiscard]] can::Time earliest() const noexcept { return tree_[1]; }
   /// The number (the lowest one) whose timer is earliest().
   [[nodiscard]] std::uint8_t first() const noexcept {
@@ -35,6 +39,7 @@ class NodeTimers {
 
  private:
   std::array<can::Time, 2 * count> tree_;
+  can::Alarm alarm_;
 };
 
 }  // namespace canopus::manager

@@ -80,6 +80,7 @@ class SdoRequests final : private canopen::SdoClientUser {
   void receive(const can::Frame& frame, can::Time now);
   void tick(can::Time now);
   [[nodiscard]] can::Time deadline() const noexcept { return timers_.earliest(); }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return timers_.alarm(); }
 
  private:
   struct Request {

@@ -55,7 +55,7 @@ class AccessWatchdog final : public BufferArea {
     return expired_;
   }
   [[nodiscard]] bool expired() const noexcept { return expired_; }
-  [[nodiscard]] can::Time deadline() const noexcept { return due_; }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return due_; }
 
   [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time) override {
     return memory_->word(address);
@@ -82,7 +82,7 @@ class AccessWatchdog final : public BufferArea {
 
   std::optional<AccessWatchdogLayout> layout_;
   BufferMemory* memory_;
-  can::Time due_ = can::never;
+  can::Alarm due_;
   bool expired_ = false;
 };
 

@@ -16,6 +16,7 @@ CommandInterface::CommandInterface(const std::optional<CommandLayout>& layout, B
                                    CommandHost& host, can::Sink& sink)
     : layout_(layout), host_(&host), client_(sink) {
   client_.set_maximum_size(most_data_bytes);
+  for (can::Alarm* part : {&begin_at_, &frame_due_, &client_.alarm()}) alarm_.add_part(*part);
   if (layout) memory.attach(layout->first, layout->first + word_count - 1, *this);
 }
 
@@ -26,7 +27,8 @@ void CommandInterface::reset() {
   last_issued_.fill(0);
   show_result_ = running_ = locked_ = false;
   command_ = nullptr;
-  begin_at_ = frame_due_ = can::never;
+  begin_at_.cancel();
+  frame_due_.cancel();
   held_ = false;
   pdo_requested_.reset();
   shown_failing_ = 0;
@@ -97,10 +99,6 @@ void CommandInterface::tick(can::Time now) {
     fail(command_error::slot_error, now);
   }
   if (now >= client_.deadline()) client_.tick(now);
-}
-
-can::Time CommandInterface::deadline() const noexcept {
-  return std::min({begin_at_, frame_due_, client_.deadline()});
 }
 
 void CommandInterface::begin(can::Time now) {

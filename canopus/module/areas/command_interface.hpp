@@ -189,7 +189,7 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
   /// True when the frame was for the running transfer.
   bool receive(const can::Frame& frame, can::Time now) { return client_.receive(frame, now); }
   void tick(can::Time now);
-  [[nodiscard]] can::Time deadline() const noexcept;
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
   void sdo_finished(canopen::SdoClient& client, can::Time now) override;
 
  private:
@@ -251,8 +251,9 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
   bool locked_ = false;   // written to while running
   Modes mode_ = 0;
   const CommandRow* command_ = nullptr;
-  can::Time begin_at_ = can::never;
-  can::Time frame_due_ = can::never;  // the frame waits to be sent
+  can::Alarm alarm_;  // of these, and of the client
+  can::Alarm begin_at_;
+  can::Alarm frame_due_;  // the frame waits to be sent
   std::size_t record_ = 0;
   bool any_failed_ = false;
   std::array<std::uint8_t, most_data_bytes> download_{};

@@ -69,7 +69,7 @@ class ExchangeControl final : public BufferArea {
     if (layout_ && layout_->at_once) return false;  // nobody has to wait
     return running_ || (layout_ && layout_->layer2_running != 0 && runs_in_layer2());
   }
-  [[nodiscard]] can::Time deadline() const noexcept { return end_; }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return end_; }
 
   [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
   /// What was chosen is not what is read.
@@ -88,7 +88,7 @@ class ExchangeControl final : public BufferArea {
   bool running_ = false;      // process data, until they are exchanged
   bool waiting_ = false;      // process data, for Operational
   bool emergencies_ = false;  // are shown at the end
-  can::Time end_ = can::never;
+  can::Alarm end_;
 };
 
 }  // namespace canopus::module

@@ -148,10 +148,7 @@ void Layer2::tick(can::Time now) {
   plan_cycles();
 }
 
-void Layer2::plan_cycles() noexcept {
-  next_cycle_ = can::never;
-  for (const TransmitSlot& slot : transmit_) next_cycle_ = std::min(next_cycle_, slot.due);
-}
+void Layer2::plan_cycles() noexcept { next_cycle_ = std::ranges::min(transmit_, {}, &TransmitSlot::due).due; }
 
 void Layer2::request_trigger(bool on) {
   trigger_requested_ = on;

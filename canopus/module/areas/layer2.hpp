@@ -80,7 +80,8 @@ class Layer2 final : public BufferArea {
   void receive(const can::Frame& frame, can::Time now);
   void transmitted(const can::Frame& frame);
   void tick(can::Time now);
-  [[nodiscard]] can::Time deadline() const noexcept { return next_cycle_; }
+  [[nodiscard]] can::Time deadline() const noexcept { return next_cycle_.deadline(); }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return next_cycle_; }
 
   /// The first slot, from 1, whose error code is not 0; 0: none.
   [[nodiscard]] unsigned first_slot_error() const noexcept;
@@ -138,7 +139,7 @@ class Layer2 final : public BufferArea {
   bool online_ = false;
   std::array<TransmitSlot, layer2_slots> transmit_;
   std::array<ReceiveSlot, layer2_slots> receive_;
-  can::Time next_cycle_ = can::never;
+  can::Alarm next_cycle_;
   can::Time receive_busy_until_{};
   bool snapshot_taken_ = false;
   bool trigger_requested_ = false;

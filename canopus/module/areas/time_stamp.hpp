@@ -56,6 +56,7 @@ class TimeStamp final : public BufferArea {
   /// When the next TIME object is due, never = none; then tick() sends it, if 1012H, the role and the state
   /// allow.
   [[nodiscard]] can::Time next_transmission() const noexcept { return next_; }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return next_; }
   void tick(can::Time now);
 
   [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time) override {
@@ -91,7 +92,7 @@ class TimeStamp final : public BufferArea {
   can::Time since_{};
   std::int64_t correction_ = 0;  // seconds per day
   can::Duration interval_{};
-  can::Time next_ = can::never;
+  can::Alarm next_;
 };
 
 }  // namespace canopus::module

@@ -27,6 +27,8 @@ AsFcopm::AsFcopm(can::Controller& controller, NonVolatileMemory& /*memory*/, con
     : controller_(controller), profile_(profile) {
   controller_.set_power(false);
   controller_.set_automatic_recovery(false);  // the way out of bus-off is a reboot [10.5.1 F4]
+  alarm().add_part(initialized_at_);
+  alarm().add_part(downloaded_at_);
   make_role();
 }
 
@@ -57,6 +59,7 @@ void AsFcopm::make_role() {
     role_ = std::make_unique<SlaveRole>(slave_objects(), static_cast<std::uint8_t>(in_use_.node_id),
                                         controller_, profile_);
   }
+  alarm().add_part(role_->alarm());
 }
 
 bool AsFcopm::preset_bit_rate(std::uint32_t bit_rate) {
@@ -145,7 +148,8 @@ void AsFcopm::power_off(can::Time now) {
   phase_ = Phase::off;
   controller_.set_power(false);
   role_->stop(now);
-  initialized_at_ = downloaded_at_ = can::never;
+  initialized_at_.cancel();
+  downloaded_at_.cancel();
   downloading_.reset();
 }
 
@@ -210,6 +214,7 @@ void AsFcopm::write_register(RegisterKind kind, std::uint32_t number, std::uint1
 // --- the network
 
 void AsFcopm::receive(const can::Frame& frame, can::Time now) {
+  ++change_count_;
   // No guarding, and no PDO that can be asked for [10.1.1, 10.3.2].
   if (phase_ != Phase::running || frame.remote) return;
   role_->receive(frame, now);
@@ -246,10 +251,6 @@ void AsFcopm::tick(can::Time now) {
   }
   if (has_role() && now >= role_->deadline()) role_->tick(now);
   if (phase_ == Phase::running) look_at_queues();
-}
-
-can::Time AsFcopm::deadline() const noexcept {
-  return std::min({downloaded_at_, initialized_at_, has_role() ? role_->deadline() : can::never});
 }
 
 }  // namespace canopus::module::as_fcopm

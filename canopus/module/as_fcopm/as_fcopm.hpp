@@ -49,6 +49,7 @@ class AsFcopm final : public CommunicationModule, public RegisterAccess {
   [[nodiscard]] std::vector<canopen::Emergency> kept_emergencies() const override {
     return role_->kept_emergencies();
   }
+  [[nodiscard]] std::uint64_t change_count() const noexcept override { return change_count_; }
   [[nodiscard]] ModuleInformation information() const override;
   /// The chapter describes none.
   [[nodiscard]] std::vector<Led> leds(can::Time) const override { return {}; }
@@ -77,7 +78,6 @@ class AsFcopm final : public CommunicationModule, public RegisterAccess {
   void transmitted(const can::Frame& frame, can::Time now) override;
   void controller_changed(can::Time now) override;
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override;
 
  private:
   enum class Phase : std::uint8_t { off, initializing, running, wrong_setting, fault };
@@ -103,10 +103,11 @@ class AsFcopm final : public CommunicationModule, public RegisterAccess {
   std::map<std::pair<std::uint16_t, std::uint8_t>, std::vector<std::uint8_t>> presets_;
   std::unique_ptr<Role> role_;
   Phase phase_ = Phase::off;
-  can::Time initialized_at_ = can::never;
+  can::Alarm initialized_at_;
   std::optional<Configuration> downloading_;
-  can::Time downloaded_at_ = can::never;
+  can::Alarm downloaded_at_;
   bool cpu_has_failed_ = false;
+  std::uint64_t change_count_ = 0;
   // Until the supply goes off.
   bool was_bus_off_ = false;
   bool send_buffer_was_full_ = false;

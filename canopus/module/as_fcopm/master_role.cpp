@@ -57,6 +57,8 @@ MasterRole::MasterRole(Configuration configuration, can::Sink& sink, const Profi
   node_.set_listener(this);
   master_.set_listener(this);
   master_.set_configuration_source(this);
+  for (can::Alarm* part : {&node_.alarm(), &master_.alarm(), &next_scan_, &next_missing_})
+    alarm().add_part(*part);
 }
 
 void MasterRole::start(can::Time now) { node_.power_on(now); }
@@ -64,7 +66,8 @@ void MasterRole::start(can::Time now) { node_.power_on(now); }
 void MasterRole::stop(can::Time now) {
   master_.stop(now);
   node_.power_off();
-  next_scan_ = next_missing_ = can::never;
+  next_scan_.cancel();
+  next_missing_.cancel();
 }
 
 StartUp MasterRole::start_up() const noexcept {
@@ -110,7 +113,7 @@ void MasterRole::write(BufferAddress address, std::uint16_t value, can::Time now
   } else {
     return;
   }
-  next_scan_ = std::min(next_scan_, can::later(now, scan));
+  next_scan_.bring_forward(can::later(now, scan));
 }
 
 void MasterRole::receive(const can::Frame& frame, can::Time now) {
@@ -146,10 +149,6 @@ void MasterRole::tick(can::Time now) {
   if (now >= master_.deadline()) master_.tick(now);
 }
 
-can::Time MasterRole::deadline() const noexcept {
-  return std::min({next_scan_, next_missing_, node_.deadline(), master_.deadline()});
-}
-
 // --- process data
 
 // [10.6] RxPDOs of type 0, 254 and 255 go out when their data have changed, to a slave that is Operational; the others
@@ -171,7 +170,7 @@ void MasterRole::send_changes(can::Time now) {
         pdo.was_sent = true;
         pdo.is_due = false;
       } else {
-        next_scan_ = std::min(next_scan_, can::later(now, send_again));
+        next_scan_.bring_forward(can::later(now, send_again));
       }
     }
   }
@@ -204,7 +203,7 @@ void MasterRole::rpdo_length_wrong(std::uint16_t number, std::uint16_t code, can
 void MasterRole::watch(Received& pdo, can::Time now) {
   if (pdo.patience == can::Duration{} || !operates(pdo.place.node_id)) return;
   pdo.due = can::later(now, pdo.patience);
-  next_missing_ = std::min(next_missing_, pdo.due);
+  next_missing_.bring_forward(pdo.due);
 }
 
 void MasterRole::end_watch(std::uint8_t node_id) {
@@ -224,7 +223,7 @@ void MasterRole::look_for_missing(can::Time now) {
       pdo.is_missing = true;
       show_pdos_of(pdo.place.node_id);
     }
-    next_missing_ = std::min(next_missing_, pdo.due);
+    next_missing_.bring_forward(pdo.due);
   }
 }
 
@@ -243,7 +242,7 @@ void MasterRole::show_pdos_of(std::uint8_t node_id) {
 
 void MasterRole::nmt_state_changed(canopen::NmtState state, can::Time now) {
   master_.own_state_changed(state, now);
-  next_scan_ = std::min(next_scan_, can::later(now, scan));
+  next_scan_.bring_forward(can::later(now, scan));
 }
 
 void MasterRole::node_state_changed(std::uint8_t node_id, std::uint8_t state, can::Time now) {
@@ -253,7 +252,7 @@ void MasterRole::node_state_changed(std::uint8_t node_id, std::uint8_t state, ca
   // A watched slave is known to be Stopped only by its next heartbeat: what was sent meanwhile did not reach it.
   for (Sent& pdo : sent_)
     if (pdo.place.node_id == node_id) pdo.is_due = pdo.was_sent;
-  next_scan_ = std::min(next_scan_, can::later(now, scan));
+  next_scan_.bring_forward(can::later(now, scan));
 }
 
 void MasterRole::emergency_received(const canopen::Emergency& message, can::Time) {
@@ -279,7 +278,7 @@ void MasterRole::boot_went_on(std::uint8_t node_id, const manager::BootRecord& r
         states_.set(node_id, cause, false);
       for (Sent& pdo : sent_)
         if (pdo.place.node_id == node_id) pdo = {.place = pdo.place};
-      next_scan_ = std::min(next_scan_, can::later(now, scan));
+      next_scan_.bring_forward(can::later(now, scan));
       break;
     case identity: states_.set(node_id, NodeCode::not_there, false); break;
     default: break;

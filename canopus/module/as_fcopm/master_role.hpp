@@ -39,7 +39,6 @@ class MasterRole final : public Role,
   void receive(const can::Frame& frame, can::Time now) override;
   void transmitted(const can::Frame& frame, can::Time now) override;
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override;
 
  private:
   /// A PDO from a slave, and when it is missed.
@@ -102,8 +101,8 @@ class MasterRole final : public Role,
   std::array<std::uint16_t, process_words> inputs_{};
   std::array<std::uint16_t, process_words> outputs_{};
   bool hears_unlisted_ = false;
-  can::Time next_scan_ = can::never;
-  can::Time next_missing_ = can::never;  // no PDO is missed before
+  can::Alarm next_scan_;
+  can::Alarm next_missing_;  // no PDO is missed before
 };
 
 }  // namespace canopus::module::as_fcopm

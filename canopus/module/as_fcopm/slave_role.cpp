@@ -36,6 +36,8 @@ SlaveRole::SlaveRole(std::shared_ptr<const canopen::DictionaryDescription> objec
     : outlet_(sink, node_id), node_(std::move(objects), node_id, outlet_, node_options(profile)) {
   node_.set_listener(this);
   node_.dictionary().attach(0x1001, 0x1001, *this);
+  alarm().add_part(node_.alarm());
+  alarm().add_part(next_scan_);
 }
 
 void SlaveRole::stop(can::Time) {
@@ -82,7 +84,7 @@ void SlaveRole::write(BufferAddress address, std::uint16_t value, can::Time now)
   if (address < output_first || address - output_first >= slave_words) return;
   outputs_[address - output_first] = value;
   node_.dictionary().set(slave_output_index, static_cast<std::uint8_t>(address - output_first + 1), value);
-  next_scan_ = std::min(next_scan_, can::later(now, scan));
+  next_scan_.bring_forward(can::later(now, scan));
 }
 
 void SlaveRole::tick(can::Time now) {
@@ -152,7 +154,7 @@ void SlaveRole::heartbeat_lost(std::uint8_t, can::Time) { heartbeat_is_lost_ = t
 
 void SlaveRole::object_written(const canopen::Entry& entry, can::Time now) {
   if (entry.index == 0x1016) heartbeat_is_lost_ = false;
-  if (entry.index >= 0x1800 && entry.index < 0x1C00) next_scan_ = std::min(next_scan_, can::later(now, scan));
+  if (entry.index >= 0x1800 && entry.index < 0x1C00) next_scan_.bring_forward(can::later(now, scan));
 }
 
 }  // namespace canopus::module::as_fcopm

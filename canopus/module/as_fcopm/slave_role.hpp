@@ -30,9 +30,6 @@ class SlaveRole final : public Role, private canopen::NodeListener, private cano
   void receive(const can::Frame& frame, can::Time now) override { node_.receive(frame, now); }
   void transmitted(const can::Frame& frame, can::Time now) override { node_.transmitted(frame, now); }
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override {
-    return std::min(next_scan_, node_.deadline());
-  }
 
  private:
   /// The error register has 0, 1 (generic) and 80H (internal) alone [10.3.2], in messages and in 1001H.
@@ -64,7 +61,7 @@ class SlaveRole final : public Role, private canopen::NodeListener, private cano
 
   Outlet outlet_;
   canopen::Node node_;
-  can::Time next_scan_ = can::never;
+  can::Alarm next_scan_;
   std::array<Content, pdos> sent_{};
   std::array<std::uint16_t, slave_words> outputs_{};
   unsigned wrong_lengths_ = 0;  // bit n: RxPDO n + 1

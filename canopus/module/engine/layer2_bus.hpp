@@ -14,13 +14,12 @@ class Layer2Bus {
   void go_offline(can::Time now);
   /// Offline: off the wire, once the frame on it is over.
   void leave_when_silent(can::Time now);
-  void initialization_begins() noexcept { off_wire_at_ = can::never; }
+  /// The module does not run from now on.
+  void stop() noexcept { off_wire_at_.cancel(); }
   /// The settings are in force: on the wire where offline does not mean off it.
   void initialized();
   /// When leave_when_silent() is to be called again.
-  [[nodiscard]] can::Time deadline() const noexcept {
-    return parts_.state.running() && !parts_.layer2.uses_bus() ? off_wire_at_ : can::never;
-  }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return off_wire_at_; }
 
  private:
   void join(can::Time now);
@@ -28,7 +27,7 @@ class Layer2Bus {
   ModuleParts& parts_;
   ControllerSide& controller_;
   bool wire_left_ = true;
-  can::Time off_wire_at_ = can::never;  // the last frame is over for certain
+  can::Alarm off_wire_at_;  // the last frame is over for certain
 };
 
 }  // namespace canopus::module

@@ -16,11 +16,11 @@ class MasterEvents final : public manager::MasterListener {
 
  private:
   // MasterListener
-  void active_changed(bool /*active*/, can::Time) override { ++parts_.news; }
-  void starting_changed(bool /*starting*/, can::Time) override { ++parts_.news; }
-  void start_up_finished(can::Time) override { ++parts_.news; }
-  void slave_booted(std::uint8_t /*node_id*/, can::Time) override { ++parts_.news; }
-  void error_control_resolved(std::uint8_t /*node_id*/, can::Time) override { ++parts_.news; }
+  void active_changed(bool /*active*/, can::Time) override { ++parts_.change_count; }
+  void starting_changed(bool /*starting*/, can::Time) override { ++parts_.change_count; }
+  void start_up_finished(can::Time) override { ++parts_.change_count; }
+  void slave_booted(std::uint8_t /*node_id*/, can::Time) override { ++parts_.change_count; }
+  void error_control_resolved(std::uint8_t /*node_id*/, can::Time) override { ++parts_.change_count; }
   void boot_went_on(std::uint8_t node_id, const manager::BootRecord& record, can::Time now) override;
   void slave_failed(std::uint8_t node_id, manager::BootError error, can::Time now) override;
   void start_up_halted(std::uint8_t node_id, manager::BootError error, can::Time now) override;

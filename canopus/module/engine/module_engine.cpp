@@ -22,6 +22,12 @@ ModuleEngine::ModuleEngine(const ModuleModel& model, can::Controller& controller
   controller.set_automatic_recovery(false);  // the way out of bus-off is a restart [ME3CAN1-Q 3.5.7]
   parts_.node.set_parameter_store(&parts_.settings.object_store());
   parts_.process_data.attach(parts_.node.dictionary());
+  for (can::Alarm* part : {&initialized_at_, &parts_.port->alarm(), &parts_.watchdog.alarm(),
+                           &layer2_bus_.alarm(), &parts_.own_emergencies.alarm(), &parts_.exchange.alarm(),
+                           &parts_.settings.alarm(), &parts_.time_stamp.alarm(), &parts_.node.alarm(),
+                           &parts_.master.alarm(), &parts_.command.alarm(), &parts_.layer2.alarm()}) {
+    alarm().add_part(*part);
+  }
 }
 
 // Function modes may have object dictionaries of their own [FX3U-CAN 6.5].
@@ -110,6 +116,8 @@ void ModuleEngine::power_off(can::Time now) {
   parts_.exchange.reset();
   parts_.watchdog.reset();
   parts_.settings.cancel_save();
+  parts_.time_stamp.alarm().cancel();
+  layer2_bus_.stop();
   initialized_at_ = can::never;
   parts_.own_emergencies.clear();
   parts_.diagnostics.reset();
@@ -147,7 +155,7 @@ void ModuleEngine::begin_initialization(can::Duration duration, can::Time now) {
   parts_.settings.cancel_save();
   parts_.state.nmt_resetting = false;
   cpu_side_.initialization_begins();
-  layer2_bus_.initialization_begins();
+  layer2_bus_.stop();
   parts_.own_emergencies.clear();
   parts_.master.stop(now);
   parts_.node.power_off();
@@ -167,6 +175,7 @@ void ModuleEngine::begin_initialization(can::Duration duration, can::Time now) {
   describe_node();
   parts_.lift.start();
   take_parameters(now);
+  parts_.time_stamp.alarm().cancel();
   if (parts_.state.canopen_mode()) parts_.time_stamp.reset();
   parts_.layer2.start(parts_.state.mode->kind == FunctionModeRow::Kind::layer2_extended);
   update(now);
@@ -234,54 +243,48 @@ void ModuleEngine::begin_restart(can::Time now) {
   begin_initialization(parts_.profile.restart_time, now);
 }
 
-ModuleEngine::Heard ModuleEngine::hear(const can::Frame& frame, can::Time now) {
-  if (!parts_.state.running()) return Heard::process_data;
+void ModuleEngine::receive(const can::Frame& frame, can::Time now) {
+  if (!parts_.state.running()) return;
   if (!parts_.state.canopen_mode()) {
-    if (parts_.layer2_state() == Layer2State::offline) return Heard::process_data;
+    if (parts_.layer2_state() == Layer2State::offline) return;
     last_frame_ = now;
     parts_.layer2.receive(frame, now);
-    update(now);
-    return Heard::news;
+    ++parts_.change_count;
+    return update(now);
   }
   last_frame_ = now;
   const bool is_pdo = frame.identifier > 0x180 && frame.identifier < canopen::cob_id::sdo_response &&
                       canopen::is_base_data(frame);
-  return is_pdo && parts_.network.is_open() ? hear_pdo(frame, now) : hear_other(frame, now);
+  if (is_pdo && parts_.network.is_open()) return receive_pdo(frame, now);
+  receive_other(frame, now);
 }
 
 // Where PDOs and heartbeats are as usual, nothing of what update() looks at has changed: what changes in the node or the master
-// without news does so by other frames. The master does nothing with PDOs, and one that is as usual moves no deadline.
-inline ModuleEngine::Heard ModuleEngine::hear_pdo(const can::Frame& frame, can::Time now) {
-  using enum canopen::Node::Taken;
-  const std::uint64_t news = parts_.news;
-  const canopen::Node::Taken taken = parts_.node.take(frame, now);
-  if (taken == other) parts_.master.receive(frame, now);
+// without a change that they report does so by other frames. The master does nothing with PDOs.
+inline void ModuleEngine::receive_pdo(const can::Frame& frame, can::Time now) {
+  using enum canopen::Node::ReceiveResult;
+  const std::uint64_t changes = parts_.change_count;
+  const canopen::Node::ReceiveResult result = parts_.node.receive_usual(frame, now);
+  if (result == other) parts_.master.receive(frame, now);
   const bool is_of_command = parts_.command.receive(frame, now);
-  if (taken != other && !is_of_command && parts_.news == news) return Heard::process_data;
+  if (result != other && !is_of_command && parts_.change_count == changes) return;
+  ++parts_.change_count;
   update(now);
-  return Heard::news;
 }
 
 /// What is no PDO, or comes while the node is off the network.
-ModuleEngine::Heard ModuleEngine::hear_other(const can::Frame& frame, can::Time now) {
-  using enum canopen::Node::Taken;
-  const std::uint64_t news = parts_.news;
-  const can::Time node_deadline = parts_.node.deadline();
-  const can::Time master_deadline = parts_.master.deadline();
+void ModuleEngine::receive_other(const can::Frame& frame, can::Time now) {
+  using enum canopen::Node::ReceiveResult;
+  const std::uint64_t changes = parts_.change_count;
   const bool is_open = parts_.network.is_open();
-  const canopen::Node::Taken taken = is_open ? parts_.node.take(frame, now) : other;
+  const canopen::Node::ReceiveResult result = is_open ? parts_.node.receive_usual(frame, now) : other;
   parts_.master.receive(frame, now);
   const bool is_of_command = is_open && parts_.command.receive(frame, now);
   const bool is_state = canopen::is_base_data(frame) && frame.data[0] != 0 &&
                         (frame.identifier & canopen::cob_id::function_code) == canopen::cob_id::error_control;
-  if (taken == other || is_of_command || !is_state || parts_.news != news) {
-    update(now);
-    return Heard::news;
-  }
-  // Without news no other part of the module wants another tick than before.
-  const bool is_as_before =
-      node_deadline == parts_.node.deadline() && master_deadline == parts_.master.deadline();
-  return is_as_before ? Heard::process_data : Heard::time;
+  if (result != other && !is_of_command && is_state && parts_.change_count == changes) return;
+  ++parts_.change_count;
+  update(now);
 }
 
 void ModuleEngine::transmitted(const can::Frame& frame, can::Time now) {
@@ -339,28 +342,9 @@ void ModuleEngine::tick(can::Time now) {
   if (parts_.state.running() && now >= parts_.time_stamp.next_transmission()) parts_.time_stamp.tick(now);
   if (now >= parts_.node.deadline()) parts_.node.tick(now);
   if (now >= parts_.master.deadline()) parts_.master.tick(now);
-  if (now >= parts_.command.deadline()) parts_.command.tick(now);
+  if (now >= parts_.command.alarm()) parts_.command.tick(now);
   if (now >= parts_.layer2.deadline()) parts_.layer2.tick(now);
   update(now);
-}
-
-can::Time ModuleEngine::deadline() const noexcept {
-  can::Time next = initialized_at_;
-  const auto also = [&next](can::Time deadline) {
-    if (deadline < next) next = deadline;
-  };
-  also(parts_.port->deadline());
-  also(parts_.watchdog.deadline());
-  also(layer2_bus_.deadline());
-  also(parts_.own_emergencies.deadline());
-  also(parts_.exchange.deadline());
-  also(parts_.settings.save_deadline());
-  if (parts_.state.running()) also(parts_.time_stamp.next_transmission());
-  also(parts_.node.deadline());
-  also(parts_.master.deadline());
-  also(parts_.command.deadline());
-  also(parts_.layer2.deadline());
-  return next;
 }
 
 // After every event: what hangs on several causes.

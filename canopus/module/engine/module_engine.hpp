@@ -61,6 +61,7 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
     return parts_.model.program_interface;
   }
   [[nodiscard]] const canopen::Node& node() const noexcept override { return parts_.node; }
+  [[nodiscard]] std::uint64_t change_count() const noexcept override { return parts_.change_count; }
   [[nodiscard]] Layer2State layer2_state() const noexcept override { return parts_.layer2_state(); }
   [[nodiscard]] std::vector<ModuleEventRecord> event_history() const override {
     return {parts_.diagnostics.history().begin(), parts_.diagnostics.history().end()};
@@ -112,12 +113,10 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   void write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 
   // can::Participant
-  void receive(const can::Frame& frame, can::Time now) override { (void)hear(frame, now); }
-  Heard hear(const can::Frame& frame, can::Time now) override;
+  void receive(const can::Frame& frame, can::Time now) override;
   void transmitted(const can::Frame& frame, can::Time now) override;
   void controller_changed(can::Time now) override;
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override;
 
   // --- for the request port: requests of the PLC program; the module is on
   /// As the data exchange control word says.
@@ -182,9 +181,8 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
     parts_.watchdog.accessed(address, is_online(), now);
   }
   void end_sending(const can::Frame& frame);
-  // What a frame changes, once update() has looked where it has to.
-  Heard hear_pdo(const can::Frame& frame, can::Time now);
-  Heard hear_other(const can::Frame& frame, can::Time now);
+  void receive_pdo(const can::Frame& frame, can::Time now);
+  void receive_other(const can::Frame& frame, can::Time now);
 
   CommandBus command_bus_{parts_};
   ModuleParts parts_;
@@ -200,7 +198,7 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   bool takes_files_ = false;            // the supply came: concise DCFs of the CPU's parameters are stored
   bool controller_sends_last_ = false;  // off the bus after the message that says that the module restarts
   can::Time last_frame_{};              // sent or received
-  can::Time initialized_at_ = can::never;
+  can::Alarm initialized_at_;
 };
 
 }  // namespace canopus::module

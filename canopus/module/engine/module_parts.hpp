@@ -68,8 +68,9 @@ struct ModuleParts {
   can::Gate network;  // closed while the LSS search has the controller at another bit rate
   const Profile profile;
   ModuleObserver* observer = nullptr;
-  /// What node and master have reported so far, but for received process data and heartbeats that say what is known.
-  std::uint64_t news = 0;
+  /// What node and master have reported so far, but for received process data and heartbeats that say what is known. Where it is as before
+  /// a PDO or a heartbeat, update() is left out: a callback of theirs that changes a word or a signal counts here.
+  std::uint64_t change_count = 0;
   ModuleState state;
 
   BufferMemory buffer;

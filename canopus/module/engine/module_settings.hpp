@@ -72,6 +72,7 @@ class ModuleSettings {
   void begin_save(can::Time end);
   /// When end_save() is due; never: nothing is being saved or restored.
   [[nodiscard]] can::Time save_deadline() const noexcept { return save_end_; }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return save_end_; }
   /// The supply went off, or a start began.
   void cancel_save() noexcept { save_end_ = can::never; }
   /// False when the flash memory could not be written.
@@ -140,7 +141,7 @@ class ModuleSettings {
   std::optional<std::uint16_t> factory_bit_rate_;
   std::optional<std::uint8_t> factory_node_id_;
   std::uint16_t request_ = 0;
-  can::Time save_end_ = can::never;
+  can::Alarm save_end_;
   bool error_ = false;
 };
 

@@ -10,7 +10,7 @@ NodeEvents::NodeEvents(ModuleParts& parts, CpuSide& cpu) : parts_(parts), cpu_(c
 }
 
 void NodeEvents::reset_requested(canopen::NmtCommand, can::Time now) {
-  ++parts_.news;
+  ++parts_.change_count;
   parts_.diagnostics.log(ModuleEvent::nmt_reset, now);
   parts_.status_words.show_nmt_reset(false);
   parts_.state.nmt_resetting = true;
@@ -21,13 +21,13 @@ void NodeEvents::reset_requested(canopen::NmtCommand, can::Time now) {
 }
 
 void NodeEvents::defaults_loaded(canopen::NmtCommand, can::Time) {
-  ++parts_.news;
+  ++parts_.change_count;
   if (parts_.model.node_id_defaults != nullptr)
     parts_.model.node_id_defaults(parts_.node.dictionary(), parts_.node.node_id());
 }
 
 void NodeEvents::reset_done(canopen::NmtCommand, can::Time now) {
-  ++parts_.news;
+  ++parts_.change_count;
   if (!parts_.concise_dcfs.load()) parts_.settings.note_error();
   parts_.time_stamp.show_role();
   parts_.nmt_status.reset();
@@ -46,7 +46,7 @@ canopen::AbortCode NodeEvents::before_write(canopen::ObjectDictionary&, const ca
 }
 
 void NodeEvents::nmt_state_changed(canopen::NmtState state, can::Time now) {
-  ++parts_.news;
+  ++parts_.change_count;
   parts_.nmt_status.set_state(parts_.node.node_id(), static_cast<std::uint8_t>(state));
   parts_.diagnostics.log(ModuleEvent::nmt_state, now, static_cast<std::uint8_t>(state));
   parts_.master.own_state_changed(state, now);
@@ -54,7 +54,7 @@ void NodeEvents::nmt_state_changed(canopen::NmtState state, can::Time now) {
 }
 
 void NodeEvents::emergency_received(const canopen::Emergency& message, can::Time now) {
-  ++parts_.news;
+  ++parts_.change_count;
   parts_.emergencies.record(message);
   if (!parts_.emergencies.held_clear())
     parts_.diagnostics.log(ModuleEvent::emergency_received, now, message.node_id);
@@ -65,26 +65,26 @@ void NodeEvents::emergency_received(const canopen::Emergency& message, can::Time
 }
 
 void NodeEvents::emergency_raised(const canopen::Emergency& message, can::Time now) {
-  ++parts_.news;
+  ++parts_.change_count;
   if (message.code != canopen::emcy_code::protocol_error) return;
   parts_.diagnostics.raise(Diagnosis::invalid_object, now,
                            {parts_.node.dictionary().get<std::uint32_t>(0x1005, 0) & 0x7FFU, message.code});
 }
 
 void NodeEvents::rpdo_length_wrong(std::uint16_t number, std::uint16_t code, can::Time now) {
-  ++parts_.news;
+  ++parts_.change_count;
   parts_.diagnostics.raise(Diagnosis::rpdo_length, now, {number + 1U, code});
 }
 
 void NodeEvents::rpdo_received(std::uint16_t number, can::Time) {
   parts_.process_data.rpdo_received(parts_.node, number);
   if (!parts_.lift.active()) return;
-  ++parts_.news;
+  ++parts_.change_count;
   parts_.lift.rpdo_received(number);
 }
 
 void NodeEvents::time_received(const canopen::TimeOfDay& time, can::Time now) {
-  ++parts_.news;
+  ++parts_.change_count;
   parts_.status_words.show_time();
   parts_.time_stamp.receive(time, now);
 }
@@ -94,12 +94,12 @@ void NodeEvents::heartbeat_received(std::uint8_t node_id, canopen::NmtState stat
 }
 
 void NodeEvents::heartbeat_lost(std::uint8_t node_id, can::Time now) {
-  ++parts_.news;
+  ++parts_.change_count;
   parts_.master.heartbeat_lost(node_id, now);
 }
 
 void NodeEvents::life_guarding_event(bool occurred, can::Time now) {
-  ++parts_.news;
+  ++parts_.change_count;
   const std::uint8_t own = parts_.node.node_id();
   if (!occurred || parts_.nmt_status.held_clear(own)) return;
   parts_.diagnostics.log(ModuleEvent::life_guarding, now);
@@ -108,13 +108,13 @@ void NodeEvents::life_guarding_event(bool occurred, can::Time now) {
 }
 
 void NodeEvents::life_guarding_running(bool running, can::Time) {
-  ++parts_.news;
+  ++parts_.change_count;
   constexpr std::uint16_t active = manager::error_control::guarding_active;
   parts_.nmt_status.set_guarding_master(parts_.node.node_id(), running ? active : 0, running ? 0 : active);
 }
 
 void NodeEvents::life_guarding_missed(can::Time) {
-  ++parts_.news;
+  ++parts_.change_count;
   const std::uint8_t own = parts_.node.node_id();
   if (parts_.nmt_status.held_clear(own)) return;
   parts_.nmt_status.set_guarding_master(own, manager::error_control::guarding_miss);
@@ -122,7 +122,7 @@ void NodeEvents::life_guarding_missed(can::Time) {
 
 // Any change of the configuration makes its date and time invalid [ME3CAN1-Q 4.8.12].
 void NodeEvents::object_written(const canopen::Entry& entry, can::Time now) {
-  ++parts_.news;
+  ++parts_.change_count;
   if (entry.index == 0x1010 || entry.index == 0x1F22) parts_.diagnostics.log(ModuleEvent::saved, now);
   if (entry.index == 0x1011) parts_.diagnostics.log(ModuleEvent::restored, now);
   if (entry.index == 0x1011) clear_concise_dcfs_ = true;  // it took "load" [ME3CAN1-Q 4.6.11]

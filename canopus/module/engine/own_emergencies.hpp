@@ -23,7 +23,7 @@ class OwnEmergencies {
   }
   void clear() noexcept;
   /// When send() is to be called again.
-  [[nodiscard]] can::Time deadline() const noexcept { return due_; }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return due_; }
 
  private:
   struct Message {
@@ -36,7 +36,7 @@ class OwnEmergencies {
 
   canopen::Node* node_;
   std::vector<Message> messages_;
-  can::Time due_ = can::never;
+  can::Alarm due_;
 };
 
 }  // namespace canopus::module

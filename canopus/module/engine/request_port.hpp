@@ -84,7 +84,11 @@ class RequestPort {
   virtual void error_control_changed(std::uint8_t /*node_id*/, std::uint16_t /*bits*/, can::Time /*now*/) {}
 
   virtual void tick(can::Time /*now*/) {}
-  [[nodiscard]] virtual can::Time deadline() const noexcept { return can::never; }
+  /// When tick() is wanted; the port sets it.
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
+
+ private:
+  can::Alarm alarm_;
 };
 
 }  // namespace canopus::module

@@ -65,7 +65,7 @@ void SignalPort::rising(const SignalRow& row, can::Time now) {
 
 void SignalPort::falling(const SignalRow& row, can::Time now) {
   switch (row.use) {
-    case RequestUse::restart: restart_again_at_ = can::never; [[fallthrough]];
+    case RequestUse::restart: alarm().cancel(); [[fallthrough]];
     case RequestUse::data_exchange:
     case RequestUse::command:
     case RequestUse::set_clock:
@@ -105,13 +105,13 @@ void SignalPort::power_on(can::Time now) {
 
 void SignalPort::power_off(can::Time now) {
   signals_.clear_inputs(now);
-  restart_again_at_ = can::never;
+  alarm().cancel();
 }
 
 void SignalPort::fault_found(can::Time now) { set_input(RequestUse::ready, false, now); }
 
 void SignalPort::initialization_begins(can::Time now) {
-  restart_again_at_ = can::never;
+  alarm().cancel();
   const SignalRow* ready = row_for_[std::to_underlying(RequestUse::ready)];
   const bool was_ready = ready != nullptr && signals_.input(ready->number);
   signals_.clear_inputs(now);
@@ -123,12 +123,12 @@ void SignalPort::initialized(bool by_restart, can::Time now) {
   set_input(RequestUse::ready, !engine_.state().hardware_fault, now);
   if (!wanted(RequestUse::restart)) return;
   if (by_restart) set_input(RequestUse::restart, true, now);
-  restart_again_at_ = by_restart ? can::later(now, engine_.profile().restart_repeat_time) : now;
+  alarm() = by_restart ? can::later(now, engine_.profile().restart_repeat_time) : now;
 }
 
 void SignalPort::tick(can::Time now) {
-  if (now < restart_again_at_) return;
-  restart_again_at_ = can::never;
+  if (now < alarm()) return;
+  alarm().cancel();
   engine_.begin_restart(now);
 }
 

@@ -31,7 +31,6 @@ class SignalPort final : public RequestPort, public SignalAccess {
   void fault_found(can::Time now) override;
   void show(can::Time now) override;
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override { return restart_again_at_; }
 
  private:
   void rising(const SignalRow& row, can::Time now);
@@ -44,7 +43,6 @@ class SignalPort final : public RequestPort, public SignalAccess {
   std::array<const SignalRow*, 32> row_of_{};             // by number
   std::array<const SignalRow*, request_uses> row_for_{};  // by use
   std::array<std::uint32_t, request_uses> bit_of_{};      // of the signals; 0: the model has none
-  can::Time restart_again_at_ = can::never;
 };
 
 /// For a model's table: a port by its signals.

@@ -27,17 +27,9 @@ struct SlaveBootRecord;
 
 class CommunicationModule : public Module {
  public:
-  /// What a frame was for the module. Most frames on a bus are `process_data`, and whoever watches the module need not look then.
-  enum class Heard : std::uint8_t {
-    process_data,  ///< whatever is shown of the module, words, signals and states, is as it was, but for received process data
-    time,  ///< the same, and deadline() is another one
-    news,  ///< anything may have changed
-  };
-  /// receive().
-  virtual Heard hear(const can::Frame& frame, can::Time now) {
-    receive(frame, now);
-    return Heard::news;
-  }
+  /// Another number after receive(): something that is shown of the module, words, signals or states, may have changed, other than
+  /// received process data.
+  [[nodiscard]] virtual std::uint64_t change_count() const noexcept = 0;
 
   // --- factory settings; to be called before power_on()
 

@@ -28,12 +28,15 @@ BuiltInProgram::BuiltInProgram(Rack& rack, std::uint16_t head, module::Module& m
       signals_(module.signals()),
       interface_(interface),
       task_(std::move(task)),
-      interval_(task_.exchange.value_or(can::Duration{})) {}
+      interval_(task_.exchange.value_or(can::Duration{})) {
+  for (can::Alarm* part : {&next_request_, &answer_due_, &next_scan_}) alarm_.add_part(*part);
+}
 
 void BuiltInProgram::supply_changed(bool on, can::Time now) {
   exchange_ = Exchange::idle;
   node_start_ = NodeStart::none;
-  next_request_ = answer_due_ = next_scan_ = node_start_due_ = can::never;
+  node_start_due_ = can::never;
+  for (can::Alarm* alarm : {&next_request_, &answer_due_, &next_scan_}) alarm->cancel();
   was_ready_ = owns_signal_ = is_running_ = is_setting_up_ = false;
   if (on && rack_.cpu_state() == module::CpuState::run) begin(now);
 }
@@ -41,7 +44,8 @@ void BuiltInProgram::supply_changed(bool on, can::Time now) {
 void BuiltInProgram::cpu_changed(module::CpuState state, can::Time now) {
   if (state == module::CpuState::stop) {
     is_running_ = owns_signal_ = false;
-    next_request_ = answer_due_ = next_scan_ = node_start_due_ = can::never;
+    node_start_due_ = can::never;
+    for (can::Alarm* alarm : {&next_request_, &answer_due_, &next_scan_}) alarm->cancel();
     return;
   }
   if (is_running_) return;
@@ -55,7 +59,7 @@ void BuiltInProgram::cpu_changed(module::CpuState state, can::Time now) {
 void BuiltInProgram::cpu_paused(bool paused, can::Time now) {
   if (paused) {
     is_running_ = false;
-    next_request_ = answer_due_ = next_scan_ = can::never;
+    for (can::Alarm* alarm : {&next_request_, &answer_due_, &next_scan_}) alarm->cancel();
   } else if (!is_running_) {
     const bool was_ready = was_ready_;
     begin(now);
@@ -84,10 +88,6 @@ void BuiltInProgram::begin(can::Time now) {
   exchange_ = Exchange::idle;
   owns_signal_ = false;
   next_request_ = now + interval_;
-}
-
-can::Time BuiltInProgram::deadline() const noexcept {
-  return std::min({next_request_, answer_due_, next_scan_});
 }
 
 void BuiltInProgram::look(can::Time now) {

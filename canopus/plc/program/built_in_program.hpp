@@ -55,7 +55,7 @@ class BuiltInProgram {
   void look(can::Time now);
   /// What is due; look() is to follow.
   void tick(can::Time now);
-  [[nodiscard]] can::Time deadline() const noexcept;
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
 
   /// To be called with what the module's observer hears. True: it belongs to a data exchange of the program's
   /// own.
@@ -95,10 +95,11 @@ class BuiltInProgram {
   module::SignalAccess* signals_;
   const module::ProgramInterface& interface_;
   Task task_;
-  can::Duration interval_;               // of data exchanges
-  can::Time next_request_ = can::never;  // or the end of one by signals
-  can::Time answer_due_ = can::never;
-  can::Time next_scan_ = can::never;  // for what no signal shows
+  can::Duration interval_;   // of data exchanges
+  can::Alarm alarm_;         // of the three
+  can::Alarm next_request_;  // or the end of one by signals
+  can::Alarm answer_due_;
+  can::Alarm next_scan_;  // for what no signal shows
   can::Time requested_at_{};
   can::Time node_start_due_ = can::never;
   std::size_t next_word_ = 0;  // of the task, while is_setting_up_

@@ -32,7 +32,7 @@ class ExchangeWatch {
   /// To be called whenever something may have happened to the module.
   void look(can::Time now);
   void tick(can::Time now);
-  [[nodiscard]] can::Time deadline() const noexcept { return look_at_; }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return look_at_; }
 
   /// Something to report since the last call: one line for a person.
   [[nodiscard]] std::optional<std::string> take_report() { return std::exchange(report_, std::nullopt); }
@@ -49,7 +49,7 @@ class ExchangeWatch {
   const module::ProgramInterface& interface_;
   unsigned head_;
   can::Time since_{};  // of the first request that has no answer
-  can::Time look_at_ = can::never;
+  can::Alarm look_at_;
   bool is_open_ = false;
   bool has_initialized_ = false;  // when the request came, or was taken back
   bool was_taken_back_ = false;

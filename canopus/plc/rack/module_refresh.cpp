@@ -6,21 +6,17 @@
 namespace canopus::plc {
 
 ModuleRefresh::ModuleRefresh(Rack& rack, can::Timeline& timeline, std::uint16_t head,
-                             module::CommunicationModule& module, can::Timeline::Handle module_handle,
-                             std::vector<Block> blocks, Timing timing, const std::string& name)
+                             module::CommunicationModule& module, std::vector<Block> blocks, Timing timing,
+                             const std::string& name)
     : rack_(rack),
-      timeline_(timeline),
       head_(head),
       module_(module),
-      module_handle_(module_handle),
       blocks_(std::move(blocks)),
       labels_(blocks_.size()),
-      timing_(std::move(timing)),
-      handle_(timeline.add(*this, name)) {
+      timing_(std::move(timing)) {
+  timeline.add(*this, name);
   rack.add_listener(*this);
 }
-
-ModuleRefresh::~ModuleRefresh() { timeline_.remove(handle_); }
 
 can::Time ModuleRefresh::next_after(can::Time now) const {
   if (!exchanges_) return can::never;
@@ -49,8 +45,7 @@ void ModuleRefresh::cpu_paused(bool paused, can::Time now) { programs_run(!pause
 void ModuleRefresh::programs_run(bool run, can::Time now) {
   programs_run_ = run;
   run_since_ = now;
-  next_ = next_after(now);
-  timeline_.refresh(handle_);
+  alarm() = next_after(now);
 }
 
 void ModuleRefresh::copy_to_module(std::size_t number, can::Time now) {
@@ -69,8 +64,8 @@ void ModuleRefresh::scan_ended(can::Time now) {
 
 // Of a rack with a scan of its own the rack's tick comes first: clients are answered before the next scan's programs.
 void ModuleRefresh::tick(can::Time now) {
-  if (next_ > now) return;
-  next_ = next_after(now);
+  if (deadline() > now) return;
+  alarm() = next_after(now);
   exchange(now);
 }
 
@@ -79,7 +74,6 @@ void ModuleRefresh::exchange(can::Time now) {
     if (blocks_[i].to_module) copy_to_module(i, now);
   }
   module_.refresh(now);
-  timeline_.refresh(module_handle_);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const Block& block = blocks_[i];
     if (block.to_module || !rack_.read_buffer(head_, block.words, labels_[i], now) || !block.device) continue;

@@ -37,38 +37,32 @@ class ModuleRefresh final : private can::Ticker, private RackListener {
   /// Listens to the rack, which must hold the module at `head`; all must outlive it. The rack joins the timeline before: at an
   /// END its scan comes first. Nothing is exchanged without a block in each direction.
   ModuleRefresh(Rack& rack, can::Timeline& timeline, std::uint16_t head, module::CommunicationModule& module,
-                can::Timeline::Handle module_handle, std::vector<Block> blocks, Timing timing,
-                const std::string& name);
-  ~ModuleRefresh();
+                std::vector<Block> blocks, Timing timing, const std::string& name);
   ModuleRefresh(const ModuleRefresh&) = delete;
   ModuleRefresh& operator=(const ModuleRefresh&) = delete;
 
  private:
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override { return next_; }
   void supply_changed(bool on, can::Time now) override;
   void cpu_changed(module::CpuState state, can::Time now) override;
   void cpu_paused(bool paused, can::Time now) override;
   void scan_ended(can::Time now) override;
   void programs_run(bool run, can::Time now);
+  /// never: a rack with a scan of its own says when it ends.
   [[nodiscard]] can::Time next_after(can::Time now) const;
   void exchange(can::Time now);
   /// Writes what differs.
   void copy_to_module(std::size_t block, can::Time now);
 
   Rack& rack_;
-  can::Timeline& timeline_;
   std::uint16_t head_;
   module::CommunicationModule& module_;
-  can::Timeline::Handle module_handle_;
   std::vector<Block> blocks_;
   std::vector<std::array<std::uint16_t, block_words>> labels_;  // of the blocks
   Timing timing_;
   bool exchanges_ = false;  // the supply is on, and there is a block in each direction
   bool programs_run_ = false;
   can::Time run_since_{};  // fixed scan execution counts from here
-  can::Timeline::Handle handle_;
-  can::Time next_ = can::never;  // never: a rack with a scan of its own says when it ends
 };
 
 }  // namespace canopus::plc

@@ -22,7 +22,7 @@ Device stored_as(Device device) { return device == Device::r ? Device::zr : devi
 }  // namespace
 
 Rack::Rack(can::Timeline& timeline, const CpuModel& model, std::optional<can::Duration> scan)
-    : timeline_(timeline), model_(model) {
+    : model_(model), refreshes_by_scan_(scan.has_value()) {
   condition_.scan = Scan(scan.value_or(Scan::usual_period));
   condition_.clock = std::chrono::local_days{std::chrono::year{2000} / std::chrono::January / 1};
   slot_of_block_.fill(empty);
@@ -36,14 +36,10 @@ Rack::Rack(can::Timeline& timeline, const CpuModel& model, std::optional<can::Du
   }
   own_buffer_.resize(model.buffer_words);
   outputs_before_stop_.resize(memory_[index(Device::y)].size());
-  if (scan) scan_handle_ = timeline_.add(*this, "scans of a CPU");
+  if (scan) timeline.add(*this, "scans of a CPU");
 }
 
-Rack::~Rack() {
-  if (scan_handle_) timeline_.remove(*scan_handle_);
-}
-
-bool Rack::insert(std::uint16_t head_address, module::Module& module, can::Timeline::Handle handle) {
+bool Rack::insert(std::uint16_t head_address, module::Module& module) {
   // A module without signals still needs an address of its own for U\G.
   const FamilyInfo& family = family_info(model_.family);
   const std::size_t blocks = family.modules_have_points ? std::max(1U, (module.points() + 15) / 16) : 1;
@@ -57,7 +53,7 @@ bool Rack::insert(std::uint16_t head_address, module::Module& module, can::Timel
   for (std::size_t block = first; block < first + blocks; ++block)
     slot_of_block_[block] = static_cast<std::uint8_t>(slots_.size());
   module::SignalAccess* const signals = family.modules_have_points ? module.signals() : nullptr;
-  slots_.push_back({head_address, &module, module.buffer_memory(), signals, module.registers(), handle});
+  slots_.push_back({head_address, &module, module.buffer_memory(), signals, module.registers()});
   return true;
 }
 
@@ -84,38 +80,29 @@ void Rack::power_on(can::Time now, CpuState state) {
   condition_.is_paused = false;
   condition_.scan.start(now);
   if (state == CpuState::run) condition_.scan.run(now);
-  next_refresh_ = scan_handle_ ? condition_.scan.end_of(1, now) : can::never;
+  alarm() = refreshes_by_scan_ ? condition_.scan.end_of(1, now) : can::never;
   for (const Slot& slot : slots_) {
     slot.module->power_on(now);
-    timeline_.refresh(slot.handle);
   }
   tell_cpu_state(now);
   for (RackListener* listener : listeners_) listener->supply_changed(true, now);
   for (Slot& slot : slots_) slot.inputs = inputs_of(slot);
-  refresh_modules();
 }
 
 void Rack::power_off(can::Time now) {
   on_ = condition_.is_paused = false;
   condition_.scan.stop(now);
-  next_refresh_ = can::never;
+  alarm() = can::never;
   for (const Slot& slot : slots_) slot.module->power_off(now);
   for (RackListener* listener : listeners_) listener->supply_changed(false, now);
-  refresh_modules();
   end_processing_.answer(now);  // there is no END any more
-}
-
-// A listener may be the one whose deadline the timeline knows for a module.
-void Rack::refresh_modules() {
-  for (const Slot& slot : slots_) timeline_.refresh(slot.handle);
-  if (scan_handle_) timeline_.refresh(*scan_handle_);
 }
 
 // X first: what a module answers to a Y shows in the next scan, as behind the filters of a real one. Clients read and write
 // between the two, so their X and buffer memory are of one moment, and so are their Y and what they write there.
 void Rack::tick(can::Time now) {
-  if (next_refresh_ > now) return;
-  next_refresh_ = condition_.scan.end_of(1, now);
+  if (deadline() > now) return;
+  alarm() = condition_.scan.end_of(1, now);
   for (RackListener* listener : listeners_) listener->scan_ended(now);
   for (Slot& slot : slots_) slot.inputs = inputs_of(slot);
   end_processing_.answer(now);
@@ -146,7 +133,6 @@ void Rack::set_cpu_state(CpuState state, can::Time now) {
   if (std::exchange(condition_.is_paused, false) && state == CpuState::run) {
     condition_.scan.go_on(now);
     for (RackListener* listener : listeners_) listener->cpu_paused(false, now);
-    refresh_modules();
   }
   if (state == condition_.state) return;
   condition_.state = state;
@@ -164,21 +150,18 @@ void Rack::set_cpu_state(CpuState state, can::Time now) {
       set_output(number, (outputs_before_stop_[number / 16] >> (number % 16) & 1U) != 0, now);
   }
   for (RackListener* listener : listeners_) listener->cpu_changed(state, now);
-  refresh_modules();
 }
 
 void Rack::pause(can::Time now) {
   if (!on_ || condition_.state == CpuState::stop || std::exchange(condition_.is_paused, true)) return;
   condition_.scan.stop(now);
   for (RackListener* listener : listeners_) listener->cpu_paused(true, now);
-  refresh_modules();
 }
 
 void Rack::fail_cpu(can::Time now) {
   if (!on_) return;
   for (const Slot& slot : slots_) {
     slot.module->cpu_failed(now);
-    timeline_.refresh(slot.handle);
   }
   set_cpu_state(CpuState::stop, now);
   condition_.stop_cause = StopCause::error;
@@ -197,7 +180,6 @@ void Rack::reset_cpu(can::Time now) {
 void Rack::tell_cpu_state(can::Time now) {
   for (const Slot& slot : slots_) {
     slot.module->cpu_changed(condition_.state, now);
-    timeline_.refresh(slot.handle);
   }
 }
 
@@ -311,7 +293,7 @@ std::uint16_t Rack::bit_block(Device device, std::uint32_t block, can::Time now)
     if (const Slot* slot = slot_of_point(16 * block); slot != nullptr) {
       const std::uint32_t shift = 16 * block - slot->head;  // a module has at most 32 signals
       if (shift >= 32) return 0;
-      return static_cast<std::uint16_t>((scan_handle_ ? slot->inputs : inputs_of(*slot)) >> shift);
+      return static_cast<std::uint16_t>((refreshes_by_scan_ ? slot->inputs : inputs_of(*slot)) >> shift);
     }
   }
   const std::uint16_t word = memory_[index(device)][block];
@@ -321,7 +303,7 @@ std::uint16_t Rack::bit_block(Device device, std::uint32_t block, can::Time now)
 void Rack::write_bit(Device device, std::uint32_t number, bool on, can::Time now) {
   DeviceWords& words = memory_[index(device)];
   words.set(number / 16, module::with_bit(words[number / 16], number % 16, on));
-  if (device == Device::y && !scan_handle_) output_to_module(number, on, now);
+  if (device == Device::y && !refreshes_by_scan_) output_to_module(number, on, now);
 }
 
 void Rack::output_to_module(std::uint32_t number, bool on, can::Time now) {
@@ -332,7 +314,6 @@ void Rack::output_to_module(std::uint32_t number, bool on, can::Time now) {
       (slot->signals->outputs() >> signal & 1U) == (on ? 1U : 0U))
     return;
   slot->signals->set_output(signal, on, now);
-  timeline_.refresh(slot->handle);
 }
 
 }  // namespace canopus::plc

@@ -72,15 +72,14 @@ class Rack final : private can::Ticker {
   /// of the usual length are only counted.
   explicit Rack(can::Timeline& timeline, const CpuModel& model = r04cpu(),
                 std::optional<can::Duration> scan = std::nullopt);
-  ~Rack() override;
   Rack(const Rack&) = delete;
   Rack& operator=(const Rack&) = delete;
 
   /// Puts a module at a head I/O number (0, 10H, 20H ... FF0H, in points; a multiple of 16), or at 16 times its
-  /// position, unit number or card slot (FX3 0 to 7, FX5 1 to 16, AS300 1 and 2). `handle` is what the timeline's
-  /// add() gave for it; the module must outlive the rack. False when there is no such place, or it is taken, or the
+  /// position, unit number or card slot (FX3 0 to 7, FX5 1 to 16, AS300 1 and 2). The module must outlive the
+  /// rack. False when there is no such place, or it is taken, or the
   /// points reach beyond X/Y FFFH, or the rack has supply: modules are not changed online.
-  bool insert(std::uint16_t head_address, module::Module& module, can::Timeline::Handle handle);
+  bool insert(std::uint16_t head_address, module::Module& module);
   /// Hears of supply and CPU from now on; it must outlive the rack.
   void add_listener(RackListener& listener) { listeners_.push_back(&listener); }
   /// The module whose points begin at head_address, or nullptr.
@@ -111,7 +110,7 @@ class Rack final : private can::Ticker {
   /// The CPU's scans.
   [[nodiscard]] const Scan& scan() const noexcept { return condition_.scan; }
   /// X and Y are refreshed once a scan.
-  [[nodiscard]] bool has_own_scan() const noexcept { return scan_handle_.has_value(); }
+  [[nodiscard]] bool has_own_scan() const noexcept { return refreshes_by_scan_; }
   /// Requests of clients have to wait() in end_processing(): the rack has a scan of its own, and supply. Without
   /// supply there is no END, and they are answered at once.
   [[nodiscard]] bool answers_at_end() const noexcept {
@@ -170,7 +169,6 @@ class Rack final : private can::Ticker {
     module::BufferMemoryAccess* buffer = nullptr;  // nullptr: the module has none; likewise
     module::SignalAccess* signals = nullptr;
     module::RegisterAccess* registers = nullptr;
-    can::Timeline::Handle handle = 0;
     std::uint32_t inputs = 0;  // X of the present scan
   };
   static constexpr std::size_t block_count = 256;  // of 16 points: X/Y 000H to FFFH
@@ -178,7 +176,6 @@ class Rack final : private can::Ticker {
 
   // can::Ticker: between two scans.
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override { return next_refresh_; }
 
   [[nodiscard]] const Slot* slot_of_point(std::uint32_t point) const noexcept;
   [[nodiscard]] DeviceWords& memory(Device device) noexcept;
@@ -195,10 +192,9 @@ class Rack final : private can::Ticker {
   void write_bit(Device device, std::uint32_t number, bool on, can::Time now);
   void output_to_module(std::uint32_t number, bool on, can::Time now);
   void tell_cpu_state(can::Time now);
-  void refresh_modules();
 
-  can::Timeline& timeline_;
   CpuModel model_;
+  bool refreshes_by_scan_;  // X and Y
   std::vector<Slot> slots_;
   std::vector<RackListener*> listeners_;
   std::array<std::uint8_t, block_count> slot_of_block_{};  // number in slots_, or empty
@@ -207,8 +203,6 @@ class Rack final : private can::Ticker {
   std::vector<std::uint16_t> outputs_before_stop_;
   CpuCondition condition_;
   bool on_ = false;
-  std::optional<can::Timeline::Handle> scan_handle_;  // X and Y are refreshed once a scan
-  can::Time next_refresh_ = can::never;
   EndProcessing end_processing_;
 };
 

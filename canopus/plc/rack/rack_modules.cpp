@@ -37,7 +37,6 @@ void Rack::read_registers(Device device, std::uint32_t first, std::span<std::uin
                       [&](module::RegisterKind kind, std::uint32_t number, std::uint16_t& word) {
                         word = slot.registers->read_register(kind, number, now);
                       });
-    timeline_.refresh(slot.handle);
   }
 }
 
@@ -50,7 +49,6 @@ void Rack::write_registers(Device device, std::uint32_t first, std::span<const s
                       [&](module::RegisterKind kind, std::uint32_t number, std::uint16_t word) {
                         slot.registers->write_register(kind, number, word, now);
                       });
-    timeline_.refresh(slot.handle);
   }
 }
 
@@ -70,7 +68,6 @@ Rack::Access Rack::read_buffer(std::uint16_t head_address, module::BufferAddress
   const Slot& slot = *slot_of_point(head_address);
   for (std::uint32_t i = 0; i < count; ++i) words[i] = slot.buffer->read_word(first + i, now);
   slot.buffer->accessed(first, count, now);
-  timeline_.refresh(slot.handle);  // some words act when they are read
   return {};
 }
 
@@ -81,7 +78,6 @@ Rack::Access Rack::write_buffer(std::uint16_t head_address, module::BufferAddres
   const Slot& slot = *slot_of_point(head_address);
   for (std::uint32_t i = 0; i < count; ++i) slot.buffer->write_word(first + i, words[i], now);
   slot.buffer->accessed(first, count, now);
-  timeline_.refresh(slot.handle);
   return {};
 }
 
@@ -95,7 +91,6 @@ Rack::Access Rack::read_double_words(std::uint16_t head_address, module::BufferA
     values[i] = low | std::uint32_t{slot.buffer->read_word(first + 2 * i + 1, now)} << 16U;
   }
   slot.buffer->accessed(first, count, now);
-  timeline_.refresh(slot.handle);
   return {};
 }
 
@@ -109,7 +104,6 @@ Rack::Access Rack::write_double_words(std::uint16_t head_address, module::Buffer
     slot.buffer->write_word(first + 2 * i + 1, static_cast<std::uint16_t>(values[i] >> 16U), now);
   }
   slot.buffer->accessed(first, count, now);
-  timeline_.refresh(slot.handle);
   return {};
 }
 

@@ -8,7 +8,9 @@
 namespace canopus::serve {
 
 PlantSlices::PlantSlices(plant::Plant& plant, Use use)
-    : plant_(plant), use_(std::move(use)), workers_(std::min(use_.threads, plant.timeline().part_count())) {}
+    : plant_(plant),
+      use_(std::move(use)),
+      workers_(std::min(use_.threads, plant.timeline().partition_count())) {}
 
 void PlantSlices::run_until(can::Time end) {
   do run_slice(end);
@@ -20,10 +22,11 @@ void PlantSlices::run_slice(can::Time end) {
   const can::Time slice_end = std::min(can::later(timeline.now(), slice_), end);
   const auto start = std::chrono::steady_clock::now();
   // Who belongs to no part may look at any of them.
-  if (timeline.part_count() == 0 || timeline.outside_next() <= slice_end) {
+  if (timeline.partition_count() == 0 || timeline.outside_next() <= slice_end) {
     timeline.run_until(slice_end);
   } else {
-    workers_.run(timeline.part_count(), [&](std::size_t part) { timeline.part(part).run_apart(slice_end); });
+    workers_.run(timeline.partition_count(),
+                 [&](std::size_t part) { timeline.partition(part).run_partition(slice_end); });
     plant_.parts_met(slice_end);
     if (use_.met) use_.met();
   }

@@ -1,5 +1,5 @@
 #pragma once
-// Runs a plant ahead of any clock. Parts that share nothing (can::Timeline::add_part) run apart from each other, in slices of
+// Runs a plant ahead of any clock. Parts that share nothing (can::Timeline::add_partition) run apart from each other, in slices of
 // plant time: one after the other, which keeps what they touch in the processor's caches, or on several threads. What they
 // say is put into one order at the end of each slice, so the output does not depend on slices or threads.
 

@@ -10,21 +10,22 @@
 
 namespace canopus::sim {
 
-BusCore::BusCore(std::string bus_name, std::uint32_t bus_bit_rate, can::Timeline& bus_timeline)
+BusCore::BusCore(std::string bus_name, std::uint32_t bus_bit_rate, can::Timeline& bus_timeline,
+                 BusSchedule& bus_schedule)
     : name(std::move(bus_name)),
       bit_rate(bus_bit_rate),
       created(bus_timeline.now()),
-      timeline(bus_timeline) {}
+      timeline(bus_timeline),
+      schedule(bus_schedule) {}
 BusCore::~BusCore() = default;
 
-struct Bus::Impl final : can::Ticker {
+struct Bus::Impl final : can::Ticker, BusSchedule {
   Impl(std::string name, std::uint32_t bit_rate, can::Timeline& timeline)
-      : core(std::move(name), bit_rate, timeline), near(core, true), far(core, false) {}
+      : core(std::move(name), bit_rate, timeline, *this), near(core, true), far(core, false) {}
 
-  void tick(can::Time now) override { tick_and_tell(now); }
-  can::Time tick_and_tell(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override { return next(); }
+  void tick(can::Time now) override;
   void run_faults(can::Time now);
+  void deadline_changed() noexcept override { alarm() = next(); }
   [[nodiscard]] can::Time next() const noexcept {
     return core.had_faults ? next_with_faults() : near.deadline();
   }
@@ -53,10 +54,11 @@ struct Bus::Impl final : can::Ticker {
 
 Bus::Bus(std::string name, std::uint32_t bit_rate, can::Timeline& timeline)
     : impl_(std::make_unique<Impl>(std::move(name), bit_rate, timeline)) {
-  impl_->core.handle = timeline.add(*impl_, "bus " + impl_->core.name, can::Timeline::Rank::bus);
+  impl_->deadline_changed();
+  timeline.add(*impl_, "bus " + impl_->core.name, can::Timeline::Rank::bus);
 }
 
-Bus::~Bus() { impl_->core.timeline.remove(impl_->core.handle); }
+Bus::~Bus() = default;
 
 const std::string& Bus::name() const noexcept { return impl_->core.name; }
 std::uint32_t Bus::bit_rate() const noexcept { return impl_->core.bit_rate; }
@@ -164,13 +166,13 @@ std::expected<void, std::string> Bus::set_faults(const std::vector<Fault>& fault
   core.had_faults = core.had_faults || !faults.empty();
   impl_->near.clear_faults();
   impl_->far.clear_faults();
-  core.refresh();
+  core.deadline_changed();
   return {};
 }
 
 std::vector<FaultState> Bus::fault_states() const { return impl_->core.plan.states(); }
 
-can::Time Bus::Impl::tick_and_tell(can::Time now) {
+void Bus::Impl::tick(can::Time now) {
   core.ticking = true;
   if (core.had_faults) [[unlikely]] {
     run_faults(now);
@@ -181,7 +183,7 @@ can::Time Bus::Impl::tick_and_tell(can::Time now) {
   }
   core.ticking = false;
   core.ticked = now;
-  return next();
+  alarm() = next();
 }
 
 can::Time Bus::Impl::next_with_faults() const noexcept {

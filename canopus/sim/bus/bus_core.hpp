@@ -25,16 +25,26 @@ class BusPort;
 class LineClocks;
 class Segment;
 
+/// When the bus acts next.
+class BusSchedule {
+ public:
+  virtual void deadline_changed() noexcept = 0;
+
+ protected:
+  ~BusSchedule() = default;
+};
+
 /// What all controllers of a bus share.
 struct BusCore {
-  BusCore(std::string bus_name, std::uint32_t bus_bit_rate, can::Timeline& bus_timeline);
+  BusCore(std::string bus_name, std::uint32_t bus_bit_rate, can::Timeline& bus_timeline,
+          BusSchedule& bus_schedule);
   ~BusCore();
   BusCore(const BusCore&) = delete;
   BusCore& operator=(const BusCore&) = delete;
 
   /// Somebody outside the bus's own tick changed when the bus has to act.
-  void refresh() {
-    if (!ticking) timeline.refresh(handle);
+  void deadline_changed() {
+    if (!ticking) schedule.deadline_changed();
   }
 
   /// Hands the errors of this moment to the observers, and then what became of the controllers.
@@ -64,7 +74,7 @@ struct BusCore {
   std::uint32_t bit_rate;
   can::Time created{};
   can::Timeline& timeline;
-  can::Timeline::Handle handle = 0;
+  BusSchedule& schedule;
   bool ticking = false;
   can::Time ticked = can::never;  // the last tick's moment
   std::vector<std::unique_ptr<BusPort>> ports;
@@ -109,7 +119,7 @@ class alignas(64) BusPort final : public Port {
   }
   void abort_transmissions() override;
 
-  void connect(can::Listener& new_participant, can::Timeline::Handle new_handle) override;
+  void connect(can::Listener& new_participant) override { participant = &new_participant; }
   void disconnect() override { participant = nullptr; }
   void plug(bool plugged) override;
   [[nodiscard]] bool plugged() const override { return is_plugged; }
@@ -191,17 +201,8 @@ class alignas(64) BusPort final : public Port {
     if (sends_babble) babble_due = babbling && babble_always;
     return !sends_babble;
   }
-  /// Notifies the participant and reads its deadline again.
-  template <typename Call>
-  void notify(Call call) {
-    if (participant == nullptr) return;
-    call(*participant);
-    core.timeline.refresh(handle);
-  }
   void notify_transmitted(const can::Frame& frame, can::Time now) {
-    if (participant == nullptr) return;
-    participant->transmitted(frame, now);
-    if (timed_by_transmissions) core.timeline.refresh(handle);
+    if (participant != nullptr) participant->transmitted(frame, now);
   }
   void hear(const can::Frame& frame, can::Time now) {
     if (jammed) {
@@ -214,9 +215,7 @@ class alignas(64) BusPort final : public Port {
       return;
     }
     ++counted.received;
-    if (participant == nullptr) return;
-    participant->receive(frame, now);
-    if (participant != nullptr && participant->is_retimed()) core.timeline.refresh(handle);
+    if (participant != nullptr) participant->receive(frame, now);
   }
   [[nodiscard]] can::Duration bit() const noexcept { return bit_length; }
   /// can::bit_time() at its rate, without a division where a bit has whole nanoseconds.
@@ -238,9 +237,8 @@ class alignas(64) BusPort final : public Port {
   bool listen_only = false;
   bool sending = false;  // `current` is on the wire; it counts as waiting
   bool babble_due = false;
-  bool sends_babble = false;           // `current` is one
-  bool timed_by_transmissions = true;  // the participant
-  bool jammed = false;                 // by a fault: received frames are held
+  bool sends_babble = false;  // `current` is one
+  bool jammed = false;        // by a fault: received frames are held
   // What it offered when a frame of others began that was computed as a whole, if that has changed since.
   struct Kept {
     std::uint64_t frame_number = 0;
@@ -255,7 +253,6 @@ class alignas(64) BusPort final : public Port {
   std::uint32_t rate;
   PortCounters counted;
 
-  can::Timeline::Handle handle = 0;
   bool last_attempt = false;  // `current` was aborted: it does not wait again
   bool single_shot = false;   // by a fault
   bool babbling = false;

@@ -31,7 +31,7 @@ bool BusPort::send_with_faults(const can::Frame& frame) {
     const can::Duration delay = core.plan.on_send(*this, frame, core.timeline.now());
     if (delay > can::Duration{}) {
       core.delayed.push_back({can::later(core.timeline.now(), delay), this, frame});
-      core.refresh();
+      core.deadline_changed();
       return true;
     }
   }
@@ -90,12 +90,6 @@ void BusPort::forget_queue() {
   segment->keep_offer(*this);
   kept.is_aborted = true;
   last_attempt = sending && !sends_babble;
-}
-
-void BusPort::connect(can::Listener& new_participant, can::Timeline::Handle new_handle) {
-  participant = &new_participant;
-  timed_by_transmissions = new_participant.is_timed_by_transmissions();
-  handle = new_handle;
 }
 
 void BusPort::plug(bool plugged) {

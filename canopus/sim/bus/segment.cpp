@@ -69,7 +69,7 @@ void Segment::reconsider() {
 void Segment::suspended_offer_changed() {
   if (state_ != State::idle || suspended_->offer() == Arbiter::none || suspended_until_ >= deadline_) return;
   deadline_ = std::max(core_.timeline.now(), suspended_until_);
-  core_.refresh();
+  core_.deadline_changed();
 }
 
 /// After what the port offers has changed, and while no frame is on the wire: the next one may begin earlier.
@@ -80,7 +80,7 @@ void Segment::look_for_start(const BusPort& port) {
       state_ == State::bits ? core_.timeline.now() : std::max(core_.timeline.now(), free_from_);
   if (possible >= deadline_) return;
   deadline_ = possible;
-  core_.refresh();
+  core_.deadline_changed();
 }
 
 void Segment::before_change() {
@@ -98,7 +98,7 @@ void Segment::after_change() {
   // The bus's tick at this moment does the rest: what ends or begins now may be part of it.
   given_up_ = changed_ = true;
   deadline_ = now;
-  core_.refresh();
+  core_.deadline_changed();
 }
 
 void Segment::arrive(BusPort& port, const Segment& from) {

@@ -367,7 +367,7 @@ void Segment::tell_changes(can::Time now) {
   for (const auto& port : core_.ports) {
     if (port->segment != this || !port->tap.changed) continue;
     port->tap.changed = false;
-    port->notify([now](can::Listener& participant) { participant.controller_changed(now); });
+    if (port->participant != nullptr) port->participant->controller_changed(now);
   }
 }
 

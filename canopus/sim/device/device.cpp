@@ -26,6 +26,7 @@ void Device::power_off() {
   next_row_ = can::never;
   node_.power_off();
   if (lss_) lss_->power_off();
+  set_alarm();
 }
 
 void Device::force(const Entry& entry, std::uint64_t value, can::Time until, can::Time now) {
@@ -123,6 +124,7 @@ void Device::reset_done(canopen::NmtCommand which, can::Time now) {
   forcing_.values_loaded();
   if (!playbacks_.empty()) play(now);
   if (application_ && is_on_) application_->start(*this, now);
+  set_alarm();
 }
 
 void Device::rpdo_received(std::uint16_t number, can::Time) {
@@ -130,7 +132,11 @@ void Device::rpdo_received(std::uint16_t number, can::Time) {
   forcing_.rpdo_received(number);
 }
 
-void Device::object_written(const Entry&, can::Time) { written_ = was_written_ = true; }
+// Written from outside of the bus, it may be a moving value: a tick looks when that changes next.
+void Device::object_written(const Entry&, can::Time now) {
+  written_ = was_written_ = true;
+  if (is_sampling_) alarm().bring_forward(now);
+}
 
 bool Device::emergency(std::uint16_t code, std::uint8_t error_register,
                        const std::array<std::uint8_t, 5>& manufacturer, can::Time now) {
@@ -246,15 +252,16 @@ void Device::settle(can::Time now, bool moved) {
   if (!is_operational || !samples_) {
     next_sample_ = can::never;
     is_sampling_ = false;
-    return;
+    return set_alarm();
   }
   if (!is_sampling_) {
     is_sampling_ = true;
     sampled_from_ = now;
   } else if (next_sample_ > now && !written_) {
-    return;
+    return set_alarm();
   }
   plan_sample(now);
+  set_alarm();
 }
 
 void Device::receive(const can::Frame& frame, can::Time now) {
@@ -270,6 +277,7 @@ void Device::receive(const can::Frame& frame, can::Time now) {
 void Device::controller_changed(can::Time now) { node_.controller_changed(now); }
 
 void Device::tick(can::Time now) {
+  const can::Alarm::Hold hold(alarm());
   if (only_samples_) [[likely]] {
     const canopen::Places moved = next_sample_ <= now ? sample<true>(now) : canopen::Places{0};
     if (node_.deadline() <= now) node_.tick(now);
@@ -285,13 +293,11 @@ void Device::tick(can::Time now) {
   if (moved || !is_plain()) settle(now, moved);
 }
 
-can::Time Device::deadline_of_all() const noexcept {
-  can::Time next = std::min(node_.deadline(), next_sample_);
-  if (next_row_ < next) next = next_row_;
+can::Time Device::own_deadline() const noexcept {
+  can::Time next = std::min(next_sample_, next_row_);
   if (forcing_.deadline() < next) next = forcing_.deadline();
   if (!script_.empty()) next = std::min(next, script_.deadline());
-  if (application_ && is_on_) next = std::min(next, application_->deadline());
-  return lss_ ? std::min(next, lss_->deadline()) : next;
+  return application_ && is_on_ ? std::min(next, application_->deadline()) : next;
 }
 
 }  // namespace canopus::sim

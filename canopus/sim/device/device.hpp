@@ -107,6 +107,8 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
     return node_.wants(base_identifier) || (lss_ && base_identifier == lss::from_master);
   }
 
+  /// From outside, values are written by dictionary().write(), as from the bus: it is seen, and moving values move on. What dictionary().set()
+  /// puts there stays until the value moves by itself.
   [[nodiscard]] canopen::Node& node() noexcept { return node_; }
   [[nodiscard]] const canopen::Node& node() const noexcept { return node_; }
   [[nodiscard]] const eds::DeviceFile& file() const noexcept { return *file_; }
@@ -120,9 +122,8 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   void receive(const can::Frame& frame, can::Time now) override;
   void controller_changed(can::Time now) override;
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override {
-    return only_samples_ ? std::min(node_.deadline(), next_sample_) : deadline_of_all();
-  }
+  /// The deadline of the application has changed, and not inside a call of it.
+  void application_changed() noexcept { set_alarm(); }
 
  private:
   struct alignas(64) Motion {
@@ -171,7 +172,9 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   bool carry_out(const ScriptStep& step, can::Time now);
   bool look_at_conditions(can::Time now);
 
-  [[nodiscard]] can::Time deadline_of_all() const noexcept;
+  /// The alarm stands at what it has to do by itself, and what its node has.
+  void set_alarm() noexcept { alarm() = only_samples_ ? next_sample_ : own_deadline(); }
+  [[nodiscard]] can::Time own_deadline() const noexcept;
   void settle(can::Time now, bool moved);
   void after_event(can::Time now, canopen::Places moved);
 

@@ -64,7 +64,10 @@ void DeviceLss::power_on(can::Time) {
   if (controller_.bit_rate() != stored_.bit_rate) controller_.restart(stored_.bit_rate);
 }
 
-void DeviceLss::power_off() noexcept { is_on_ = false; }
+void DeviceLss::power_off() noexcept {
+  is_on_ = false;
+  slave_.alarm().cancel();  // power_on() starts it anew
+}
 
 void DeviceLss::receive(const can::Frame& frame, can::Time now) {
   if (!is_on_) return;

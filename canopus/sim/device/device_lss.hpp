@@ -39,7 +39,8 @@ class DeviceLss final : private lss::LssSlaveUser, private canopen::NodeListener
 
   void receive(const can::Frame& frame, can::Time now);
   void tick(can::Time now);
-  [[nodiscard]] can::Time deadline() const noexcept { return is_on_ ? slave_.deadline() : can::never; }
+  [[nodiscard]] can::Time deadline() const noexcept { return slave_.deadline(); }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return slave_.alarm(); }
 
  private:
   // LssSlaveUser

@@ -18,6 +18,7 @@ Device::Device(std::shared_ptr<const eds::DeviceFile> file, std::uint8_t node_id
       node_(file_->dictionary, node_id, sink, options.node),
       sample_interval_(std::max<can::Duration>(options.sample_interval, std::chrono::microseconds(1))) {
   node_.set_listener(this);
+  alarm().add_part(node_.alarm());
 }
 
 std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
@@ -85,6 +86,7 @@ void Device::see_what_it_does() noexcept {
   is_watched_ =
       !application_ && playbacks_.empty() &&
       std::ranges::all_of(motions_, [](const Motion& motion) { return motion.target.index >= 0x2000; });
+  set_alarm();
 }
 
 std::expected<Entry, std::string> Device::process_value(std::uint16_t index, std::uint8_t sub) const {
@@ -127,6 +129,7 @@ void Device::enable_lss(can::Controller& controller, canopen::ParameterStore* st
   lss_ = std::make_unique<DeviceLss>(node_, controller,
                                      DeviceLss::Settings{node_.node_id(), controller.bit_rate()},
                                      file_->device.bit_rates, store);
+  alarm().add_part(lss_->alarm());
   see_what_it_does();
 }
 

@@ -59,6 +59,7 @@ Building::Building(BuildingSettings settings)
       shown_(units_.size()),
       passengers_(passengers_of(settings_.passengers, settings_.floors.size())),
       fault_states_(settings_.faults.size()) {
+  alarm() = can::Time{};
   for (const Unit& unit : units_) {
     if (unit.kind != UnitKind::hall_panel && unit.kind != UnitKind::car_panel) break;
     panels_.emplace_back(unit.floor, unit.lifts, unit.door);
@@ -152,7 +153,7 @@ void Building::report_event(LiftEvent event) {
 }
 
 void Building::tick(can::Time now) {
-  const bool was_idle = next_ - last_ > step;
+  const bool was_idle = deadline() - last_ > step;
   const can::Duration elapsed = was_idle ? std::min<can::Duration>(step, now - last_) : now - last_;
   last_ = now;
   carry_out_faults(now);
@@ -168,7 +169,7 @@ void Building::tick(can::Time now) {
   }
   people(now);
   show_changes(now);
-  next_ = can::later(now, moves ? step : idle_step);
+  alarm() = can::later(now, moves ? step : idle_step);
 }
 
 void Building::move_car(std::size_t number, can::Duration elapsed, can::Time now) {

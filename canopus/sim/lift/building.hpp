@@ -51,7 +51,6 @@ class Building final : public can::Ticker {
   }
 
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override { return next_; }
 
   [[nodiscard]] LiftReport report() const;
   [[nodiscard]] std::span<const Passenger> passengers() const { return passengers_; }
@@ -142,7 +141,6 @@ class Building final : public can::Ticker {
   LiftDevices* devices_ = nullptr;
   LiftObserver* observer_ = nullptr;
   can::Time last_{};
-  can::Time next_{};
 };
 
 }  // namespace canopus::sim::lift

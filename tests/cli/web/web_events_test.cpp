@@ -284,11 +284,12 @@ bit_rate = 250_000
   struct Silent final : can::Participant {
     void receive(const can::Frame&, can::Time) override {}
     void tick(can::Time) override {}
-    [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
   } peer, other;
   can::Port& port = plant.bus(0).add_port("peer");
-  port.connect(peer, plant.timeline_of_bus(0).add(peer));
-  plant.bus(0).add_port("other").connect(other, plant.timeline_of_bus(0).add(other));
+  plant.timeline_of_bus(0).add(peer);
+  port.connect(peer);
+  plant.timeline_of_bus(0).add(other);
+  plant.bus(0).add_port("other").connect(other);
   plant.power_on();
   const auto send = [&](std::size_t frames) {
     for (std::size_t i = 0; i < frames; ++i) {

@@ -293,7 +293,7 @@ TEST_F(WebModulesTest, PartsOfAPlant_ThatShareNothing) {
     text += "[[plc]]\nname = \"of " + name + "\"\nlisten = \"off\"\n[[plc.module]]\nbus = \"" + name +
             "\"\nmodel = " + me3can1;
   start(text);
-  ASSERT_EQ(plant_->timeline().part_count(), 2U);
+  ASSERT_EQ(plant_->timeline().partition_count(), 2U);
   reset({{"number", 1U}});
   run(99ms);
   EXPECT_EQ(told_, 0);

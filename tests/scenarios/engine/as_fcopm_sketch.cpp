@@ -102,17 +102,16 @@ class RegisterPort final : public RequestPort, public BufferArea {
     return WriteResult::done;
   }
 
-  void initialized(bool, can::Time now) override { next_scan_ = now; }
-  void power_off(can::Time) override { next_scan_ = can::never; }
+  void initialized(bool, can::Time now) override { alarm() = now; }
+  void power_off(can::Time) override { alarm() = can::never; }
   void tick(can::Time now) override {
-    if (now < next_scan_) return;
-    next_scan_ = can::never;
+    if (now < alarm()) return;
+    alarm() = can::never;
     engine_.begin_exchange(now);
   }
   void done(Request what, can::Time now) override {
-    if (what == Request::data_exchange) next_scan_ = can::later(now, scan);
+    if (what == Request::data_exchange) alarm() = can::later(now, scan);
   }
-  [[nodiscard]] can::Time deadline() const noexcept override { return next_scan_; }
 
   void emergency_received(const canopen::Emergency& message) {
     Messages& messages = messages_[message.node_id];
@@ -164,7 +163,6 @@ class RegisterPort final : public RequestPort, public BufferArea {
 
   ModuleEngine& engine_;
   BufferMemory& memory_;
-  can::Time next_scan_ = can::never;
   std::map<std::uint8_t, Messages> messages_;
 };
 

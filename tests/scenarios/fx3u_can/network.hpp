@@ -21,7 +21,6 @@ class BlockNetwork {
     sim::Port* port = nullptr;
     RamMemory memory;
     std::unique_ptr<module::ModuleEngine> module;
-    can::Timeline::Handle handle = 0;
   };
 
   /// `bit_rate`: of the bus, and of every module.
@@ -35,8 +34,8 @@ class BlockNetwork {
     member.module = std::make_unique<Model>(*member.port, member.memory);
     member.module->preset_node_id(node_id);
     member.module->preset_bit_rate(bit_rate_);
-    member.handle = timeline.add(*member.module);
-    member.port->connect(*member.module, member.handle);
+    timeline.add(*member.module);
+    member.port->connect(*member.module);
     return member;
   }
   void preset(Member& member, std::uint16_t index, std::uint8_t sub, std::uint32_t value, unsigned length) {
@@ -46,7 +45,6 @@ class BlockNetwork {
   }
   void power(Member& member, bool on) {
     on ? member.module->power_on(timeline.now()) : member.module->power_off(timeline.now());
-    timeline.refresh(member.handle);
   }
   void power_on() {
     for (Member& member : members) power(member, true);
@@ -54,12 +52,10 @@ class BlockNetwork {
   void run(can::Duration duration) { timeline.run_until(timeline.now() + duration); }
   std::uint16_t get(Member& member, module::BufferAddress address) {
     const std::uint16_t value = member.module->read_word(address, timeline.now());
-    timeline.refresh(member.handle);
     return value;
   }
   void set(Member& member, module::BufferAddress address, std::uint16_t value) {
     member.module->write_word(address, value, timeline.now());
-    timeline.refresh(member.handle);
   }
   /// Of an FX3U-CAN: #20 = 1, and as long as it takes.
   void exchange(Member& member) {

@@ -75,12 +75,10 @@ TEST(FxNetwork, FlyingMasters_5And6_Then5IsGone_Then4Comes) {
   EXPECT_FALSE(is_master(six));
   // STOP of its CPU ends the role, RUN negotiates anew.
   four.module->cpu_changed(module::CpuState::stop, network.timeline.now());
-  network.timeline.refresh(four.handle);
   network.run(10s);
   EXPECT_FALSE(is_master(four));
   EXPECT_TRUE(is_master(six));
   four.module->cpu_changed(module::CpuState::run, network.timeline.now());
-  network.timeline.refresh(four.handle);
   network.run(10s);
   EXPECT_TRUE(is_master(four));
   EXPECT_FALSE(is_master(six));
@@ -94,7 +92,6 @@ TEST(FxNetwork, ExchangingFasterThanTheBusCarries_OverflowsTheQueue) {
   network.power_on();
   network.run(2s);
   one.module->receive(can::data_frame(0x000, {0x01, 0x01}), network.timeline.now());
-  network.timeline.refresh(one.handle);
   EXPECT_EQ(network.get(one, 29), 0);
   network.set(one, 26, 0);
   for (std::uint16_t i = 1; i <= 500; ++i) {
@@ -113,7 +110,6 @@ class Ear final : public can::Participant {
  public:
   void receive(const can::Frame& frame, can::Time) override { heard.push_back(frame); }
   void tick(can::Time) override {}
-  [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
   std::vector<can::Frame> heard;
 };
 
@@ -127,12 +123,12 @@ TEST(FxNetwork, TheLowestIdentifierGoesFirst_AmongNodesAndWithinOne) {
     network.preset(one, static_cast<std::uint16_t>(0x1800 + pdo), 1, 0x4000'0000U | id, 4);
   Ear ear;
   sim::Port& port = network.bus.add_port("ear");
-  port.connect(ear, network.timeline.add(ear));
+  network.timeline.add(ear);
+  port.connect(ear);
   network.power_on();
   network.run(3s);
   for (Member* member : {&one, &two}) {
     member->module->receive(can::data_frame(0x000, {0x01, 0x00}), network.timeline.now());
-    network.timeline.refresh(member->handle);
     for (module::BufferAddress word = 11000; word < 11016; ++word) network.set(*member, word, 7);
   }
   ear.heard.clear();
@@ -206,7 +202,6 @@ TEST(FxNetwork, WithAnMe3can1Q_MasterAndSlaveOfEachOther) {
     const auto exchange_q = [&] {
       for (const bool on : {true, false}) {
         q.module->signals()->set_output(1, on, network.timeline.now());
-        network.timeline.refresh(q.handle);
         network.run(2ms);
       }
     };

@@ -24,7 +24,6 @@ class Plant {
     RamMemory memory;
     sim::Port* port = nullptr;
     std::unique_ptr<Me3can1Q> module;
-    can::Timeline::Handle handle = 0;
     std::uint16_t head = 0;
   };
 
@@ -40,23 +39,17 @@ class Plant {
     for (const auto& [index, sub, value] : objects) {
       EXPECT_EQ(slot.module->preset_object(index, sub, value), canopen::AbortCode::none) << std::hex << index;
     }
-    slot.handle = timeline_.add(*slot.module);
-    slot.port->connect(*slot.module, slot.handle);
+    timeline_.add(*slot.module);
+    slot.port->connect(*slot.module);
     if (in_rack) {
-      EXPECT_TRUE(rack_.insert(head, *slot.module, slot.handle));
+      EXPECT_TRUE(rack_.insert(head, *slot.module));
     }
     return slot;
   }
   void power_on() { rack_.power_on(timeline_.now()); }
   /// One in a rack of its own.
-  void power_on(Slot& slot) {
-    slot.module->power_on(timeline_.now());
-    timeline_.refresh(slot.handle);
-  }
-  void power_off(Slot& slot) {
-    slot.module->power_off(timeline_.now());
-    timeline_.refresh(slot.handle);
-  }
+  void power_on(Slot& slot) { slot.module->power_on(timeline_.now()); }
+  void power_off(Slot& slot) { slot.module->power_off(timeline_.now()); }
   void run(can::Duration duration) { timeline_.run_until(timeline_.now() + duration); }
 
   std::uint16_t g(const Slot& slot, module::BufferAddress address) {
@@ -99,7 +92,7 @@ TEST(Me3Rack, S01_HeadAddress) {
   RamMemory memory;
   FreeBus controller;
   Me3can1Q other(controller, memory);
-  EXPECT_FALSE(plant.rack().insert(0x50, other, {}));  // 32 points: 40H to 5FH
+  EXPECT_FALSE(plant.rack().insert(0x50, other));  // 32 points: 40H to 5FH
   EXPECT_EQ(plant.rack().module_at(0x40), slot.module.get());
   plant.power_on();
   EXPECT_FALSE(plant.x(0x40));

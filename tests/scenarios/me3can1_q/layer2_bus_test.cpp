@@ -16,7 +16,6 @@ namespace {
 struct Listener final : can::Participant {
   void receive(const can::Frame& frame, can::Time) override { heard.push_back(frame.identifier); }
   void tick(can::Time) override {}
-  can::Time deadline() const noexcept override { return can::never; }
   std::vector<std::uint32_t> heard;
 };
 
@@ -24,9 +23,10 @@ struct Listener final : can::Participant {
 class Bench {
  public:
   explicit Bench(std::uint16_t kilobits) : bus_("line", kilobits * 1000U, timeline_) {
-    partner_.connect(listener_, timeline_.add(listener_));
-    port_.connect(module_, handle_);
-    EXPECT_TRUE(rack_.insert(0, module_, handle_));
+    timeline_.add(listener_);
+    partner_.connect(listener_);
+    port_.connect(module_);
+    EXPECT_TRUE(rack_.insert(0, module_));
     EXPECT_TRUE(module_.preset_word(21, 11));
     EXPECT_TRUE(module_.preset_word(24, kilobits));
   }

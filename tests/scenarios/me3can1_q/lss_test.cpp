@@ -305,11 +305,10 @@ class Me3LssOnBus : public ::testing::Test {
   struct Seat {
     sim::Port* port;
     std::unique_ptr<sim::Device> device;
-    can::Timeline::Handle handle;
   };
   Me3LssOnBus() : module(bus.add_port("module"), memory), port(const_cast<sim::Port&>(*bus.ports()[0])) {
-    handle = timeline.add(module);
-    port.connect(module, handle);
+    timeline.add(module);
+    port.connect(module);
   }
   virtual ~Me3LssOnBus() = default;
   Seat& device(std::uint32_t serial_number, std::uint32_t bit_rate) {
@@ -324,29 +323,21 @@ class Me3LssOnBus : public ::testing::Test {
     if (bit_rate != bus.bit_rate()) seat.port->restart(bit_rate);
     seat.device = std::make_unique<sim::Device>(copy, std::uint8_t{0xFF}, *seat.port);
     seat.device->enable_lss(*seat.port);
-    seat.handle = timeline.add(*seat.device);
-    seat.port->connect(*seat.device, seat.handle);
+    timeline.add(*seat.device);
+    seat.port->connect(*seat.device);
     seat.device->power_on({});
-    timeline.refresh(seat.handle);
     return seat;
   }
-  void power_on() {
-    module.power_on(timeline.now());
-    timeline.refresh(handle);
-  }
+  void power_on() { module.power_on(timeline.now()); }
   void run_for(can::Duration duration) { timeline.run_until(timeline.now() + duration); }
   std::uint16_t word(module::BufferAddress address) { return module.read_word(address, timeline.now()); }
-  void y(unsigned number, bool on) {
-    module.set_output(number, on, timeline.now());
-    timeline.refresh(handle);
-  }
+  void y(unsigned number, bool on) { module.set_output(number, on, timeline.now()); }
 
   RamMemory memory;
   can::Timeline timeline;
   sim::Bus bus{"field", 250'000, timeline};
   module::me3can1_q::Me3can1Q module;
   sim::Port& port;
-  can::Timeline::Handle handle = 0;
   std::deque<Seat> seats;
 };
 

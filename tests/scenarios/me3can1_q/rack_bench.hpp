@@ -24,9 +24,9 @@ struct RackBench {
   plc::Rack rack{timeline};
 
   RackBench() {
-    const auto handle = timeline.add(module);
-    port.connect(module, handle);
-    EXPECT_TRUE(rack.insert(0x00, module, handle));
+    timeline.add(module);
+    port.connect(module);
+    EXPECT_TRUE(rack.insert(0x00, module));
     rack.power_on(timeline.now());
     timeline.run_until(timeline.now() + 2s);
   }

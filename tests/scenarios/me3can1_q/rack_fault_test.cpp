@@ -112,10 +112,11 @@ TEST(Me3RackFault, NoModuleChange_WhileTheRackIsOn) {
   RamMemory memory;
   FreeBus controller;
   module::me3can1_q::Me3can1Q other(controller, memory);
-  EXPECT_FALSE(plc.rack.insert(0x40, other, plc.timeline.add(other)));
+  plc.timeline.add(other);
+  EXPECT_FALSE(plc.rack.insert(0x40, other));
   EXPECT_EQ(plc.rack.module_at(0x40), nullptr);
   plc.rack.power_off(plc.timeline.now());
-  EXPECT_TRUE(plc.rack.insert(0x40, other, plc.timeline.add(other)));
+  EXPECT_TRUE(plc.rack.insert(0x40, other));
 }
 
 }  // namespace

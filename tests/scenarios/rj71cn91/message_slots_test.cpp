@@ -58,23 +58,18 @@ class TwoStations : can::Listener {
     module = make_module(rj71cn91, own, memory);
     module->preset_word(21, 11);
     module->preset_word(24, static_cast<std::uint16_t>(bit_rate / 1000));
-    handle = timeline.add(*module);
-    own.connect(*module, handle);
-    partner.connect(*this, handle);
+    timeline.add(*module);
+    own.connect(*module);
+    partner.connect(*this);
     module->power_on(timeline.now());
-    timeline.refresh(handle);
     run(3s);
   }
   void receive(const can::Frame& received, can::Time) override { heard.push_back(received); }
   void run(can::Duration duration) { timeline.run_until(timeline.now() + duration); }
-  void y(unsigned number, bool on) {
-    module->signals()->set_output(number, on, timeline.now());
-    timeline.refresh(handle);
-  }
+  void y(unsigned number, bool on) { module->signals()->set_output(number, on, timeline.now()); }
   bool x(unsigned number) { return (module->signals()->inputs() >> number & 1U) != 0; }
   void write(module::BufferAddress first, const Words& words) {
     for (const std::uint16_t word : words) module->write_word(first++, word, timeline.now());
-    timeline.refresh(handle);
   }
   std::uint16_t read(module::BufferAddress address) { return module->read_word(address, timeline.now()); }
 
@@ -84,7 +79,6 @@ class TwoStations : can::Listener {
   sim::Port& partner = bus.add_port("partner");
   RamMemory memory;
   std::unique_ptr<module::ModuleEngine> module;
-  can::Timeline::Handle handle = 0;
   std::vector<can::Frame> heard;
 };
 
@@ -333,7 +327,7 @@ TEST(Rj71Slots, LowerIdentifierFirst_WhenSeveralBeginTogether) {
     std::vector<std::uint32_t>* order;
   } third(order);
   sim::Port& ear = b.bus.add_port("third");
-  ear.connect(third, b.handle);
+  ear.connect(third);
   b.run(10ms);
   both(0x200, 0x1FF);
   EXPECT_EQ(order, (std::vector<std::uint32_t>{0x001, 0x1FF, 0x200}));

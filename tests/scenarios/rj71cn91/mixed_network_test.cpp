@@ -29,7 +29,6 @@ class Network {
     sim::Port* port = nullptr;
     RamMemory memory;
     std::unique_ptr<module::ModuleEngine> module;
-    can::Timeline::Handle handle = 0;
   };
 
   // Slaves that only acknowledge, one on each side of a cut.
@@ -46,8 +45,8 @@ class Network {
     member.module = make_module(model, *member.port, member.memory);
     member.module->preset_node_id(id);
     member.module->preset_bit_rate(500'000);
-    member.handle = timeline.add(*member.module);
-    member.port->connect(*member.module, member.handle);
+    timeline.add(*member.module);
+    member.port->connect(*member.module);
     return member;
   }
   static void preset(Member& member, std::uint16_t index, std::uint8_t sub, std::uint32_t value,
@@ -59,13 +58,11 @@ class Network {
     if (member.on == on) return;
     member.on = on;
     on ? member.module->power_on(timeline.now()) : member.module->power_off(timeline.now());
-    timeline.refresh(member.handle);
   }
   void cpu(Member& member, bool runs) {
     if (member.runs == runs) return;
     member.runs = runs;
     member.module->cpu_changed(runs ? module::CpuState::run : module::CpuState::stop, timeline.now());
-    timeline.refresh(member.handle);
   }
   void cut(bool is_cut) {
     sim::Fault fault{.kind = sim::FaultKind::cut, .ports = {"far slave"}};
@@ -80,15 +77,12 @@ class Network {
   }
   void g(Member& member, module::BufferAddress address, std::uint16_t value) {
     member.module->write_word(address, value, timeline.now());
-    timeline.refresh(member.handle);
   }
   void exchange(Member& member) {
     member.module->signals()->set_output(1, true, timeline.now());
-    timeline.refresh(member.handle);
     run(2ms);
     EXPECT_NE(member.module->signals()->inputs() & 2U, 0U);
     member.module->signals()->set_output(1, false, timeline.now());
-    timeline.refresh(member.handle);
   }
   /// Node-IDs of the active masters.
   std::vector<unsigned> active() {

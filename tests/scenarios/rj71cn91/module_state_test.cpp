@@ -167,14 +167,13 @@ TEST(Rj71Module, ErrorCounters_UpBy8_DownBy1) {
   const auto module = make_module(rj71cn91, own, memory);
   module->preset_bit_rate(500'000);
   module->preset_node_id(1);
-  const can::Timeline::Handle handle = timeline.add(*module);
-  own.connect(*module, handle);
+  timeline.add(*module);
+  own.connect(*module);
   struct Deaf : can::Listener {
     void receive(const can::Frame&, can::Time) override {}
   } deaf;
-  partner.connect(deaf, handle);
+  partner.connect(deaf);
   module->power_on(timeline.now());
-  timeline.refresh(handle);
   const auto run = [&](can::Duration duration) { timeline.run_until(timeline.now() + duration); };
   const auto g = [&](module::BufferAddress address) { return module->read_word(address, timeline.now()); };
   const auto disturb = [&](const char* sender, unsigned count) {
@@ -205,7 +204,6 @@ TEST(Rj71Module, ErrorCounters_UpBy8_DownBy1) {
     module->write_word(1001, node, timeline.now());
     module->write_word(1002, 0x1000, timeline.now());
     module->signals()->set_output(0x17, true, timeline.now());
-    timeline.refresh(handle);
     run(10ms);
   };
   read_own(9);

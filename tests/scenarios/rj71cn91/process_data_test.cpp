@@ -239,11 +239,10 @@ class SyncBus : can::Listener {
                                        PresetObject{0x1005, 0, 0x4000'0080}}) {
       module->preset_object(object.index, object.sub, canopen::little_endian(object.value, object.length));
     }
-    handle = timeline.add(*module);
-    own.connect(*module, handle);
-    other.connect(*this, handle);
+    timeline.add(*module);
+    own.connect(*module);
+    other.connect(*this);
     module->power_on(timeline.now());
-    timeline.refresh(handle);
     timeline.run_until(can::Time{} + 3s);
     times.clear();
   }
@@ -257,7 +256,6 @@ class SyncBus : can::Listener {
   sim::Port& other = bus.add_port("other");
   RamMemory memory;
   std::unique_ptr<module::ModuleEngine> module;
-  can::Timeline::Handle handle = 0;
   std::vector<can::Time> times;
 };
 
