@@ -57,7 +57,7 @@ can::Frame numbered(std::uint64_t number) {
 }
 
 /// Sends with so many frames under way as a plant has.
-class Sender final : public link::BusClientUser {
+class Sender final : public link::BusClientListener {
  public:
   Sender(link::BusClient& bus, std::uint64_t frames, std::atomic<std::uint64_t>& received)
       : bus_(bus), frames_(frames), received_(received) {}
@@ -89,7 +89,7 @@ class Sender final : public link::BusClientUser {
   std::uint64_t under_way_ = 0;
 };
 
-class Receiver final : public link::BusClientUser {
+class Receiver final : public link::BusClientListener {
  public:
   explicit Receiver(std::atomic<std::uint64_t>& received) : received_(received) {}
   void frame_received(const can::Frame& frame) override {

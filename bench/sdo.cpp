@@ -20,7 +20,7 @@ namespace {
 
 using namespace canopus;
 
-struct Client final : can::Participant, canopen::SdoClientUser {
+struct Client final : can::Participant, canopen::SdoClientListener {
   explicit Client(bench::PassThroughBus& bus, std::uint8_t server) : port(bus), client(port) {
     client.set_server(server);
     alarm().add_part(client.alarm());

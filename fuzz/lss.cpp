@@ -31,7 +31,7 @@ struct Sender final : can::Sink {
   Network* to;
 };
 
-class Device final : lss::LssSlaveUser {
+class Device final : lss::LssSlaveListener {
  public:
   Device(Network& network, const LssAddress& address) : sender_(network), slave(sender_, *this, address) {}
   void node_id_assigned(std::uint8_t node_id, can::Time) override { expect(node_id >= 1 && node_id <= 127); }
@@ -57,14 +57,14 @@ class Device final : lss::LssSlaveUser {
   Stored stored = Stored::done;
 };
 
-class Network final : lss::LssMasterUser, lss::LssSearchUser {
+class Network final : lss::LssMasterListener, lss::LssSearchListener {
  public:
   explicit Network(Input& input) : input_(input) {
     for (unsigned i = 0; i < 2; ++i) {
       const std::uint8_t shape = input_.byte();
       Device& device = *devices_[i];
       if ((shape & 1) == 0) device.bit_rate = 125'000;
-      device.stored = static_cast<lss::LssSlaveUser::Stored>(shape % 3);
+      device.stored = static_cast<lss::LssSlaveListener::Stored>(shape % 3);
       device.slave.start((shape & 8) != 0 ? static_cast<std::uint8_t>(10 + i) : lss::unconfigured,
                          device.bit_rate);
     }

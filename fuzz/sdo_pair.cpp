@@ -139,7 +139,7 @@ class Wire final : public can::Sink {
   Pair* pair_;
 };
 
-class Pair final : canopen::SdoClientUser {
+class Pair final : canopen::SdoClientListener {
  public:
   explicit Pair(Input& input) : input_(input), node_(description(), server_id, to_client_, options(input)) {
     node_.dictionary().attach(stream_object, stream_object, stream_);

@@ -7,11 +7,11 @@
 #include <string>
 #include <string_view>
 
+#include "canopus/serve/web/client_message.hpp"
 #include "canopus/serve/web/web_form.hpp"
 #include "canopus/serve/web/web_password.hpp"
 #include "canopus/serve/web/web_request.hpp"
 #include "canopus/serve/web/web_users.hpp"
-#include "canopus/serve/web/web_wish.hpp"
 
 #include "input.hpp"
 
@@ -71,9 +71,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   look_at_request(bytes,
                   {.address = "0.0.0.0", .port = 8080, .origin = "https://plant.example", .has_users = true});
   look_at_users(bytes);
-  if (const auto wish = serve::read_wish(bytes)) {
+  if (const auto wish = serve::parse_client_message(bytes)) {
     fuzz::expect(wish->messages.has_value() + wish->views.has_value() + wish->command.has_value() == 1);
-    fuzz::expect(!wish->views || wish->views->size() <= serve::WebWish::most_views);
+    fuzz::expect(!wish->views || wish->views->size() <= serve::ClientMessage::most_views);
   }
   return 0;
 }

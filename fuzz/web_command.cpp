@@ -9,12 +9,12 @@
 #include <string_view>
 
 #include "canopus/cli/web/web_arguments.hpp"
-#include "canopus/serve/web/web_wish.hpp"
+#include "canopus/serve/web/client_message.hpp"
 #include "canopus/text/json.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace canopus;
-  const auto wish = serve::read_wish({reinterpret_cast<const char*>(data), size});
+  const auto wish = serve::parse_client_message({reinterpret_cast<const char*>(data), size});
   if (!wish || !wish->command) return 0;
   const cli::WebBus bus{
       .name = "a", .project = "PROJECT", .network = 2, .address = "BUS", .device_files = {"EDS"}};

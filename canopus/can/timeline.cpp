@@ -120,7 +120,7 @@ void Timeline::run_until(Time end) {
   ticks_ = 0;
   latest_ = 0;
   if (!partitions_.empty()) return run_together(end);
-  run(end, nobody);
+  run(end, nothing_due);
   if (end > now_) now_ = end;
 }
 
@@ -202,8 +202,8 @@ void Timeline::run_together(Time end) {
   } running(*this);
   while (true) {
     Timeline* first = nullptr;
-    Place earliest = nobody;
-    Place second = nobody;
+    Place earliest = nothing_due;
+    Place second = nothing_due;
     const auto compare = [&](Timeline& timeline) {
       const Place place = timeline.first();
       if (place.before(earliest)) {

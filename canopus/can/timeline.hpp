@@ -102,7 +102,7 @@ class Timeline {
       return deadline != other.deadline ? deadline < other.deadline : order < other.order;
     }
   };
-  static constexpr Place nobody{never, ~std::uint64_t{0}};
+  static constexpr Place nothing_due{never, ~std::uint64_t{0}};
   static constexpr Handle no_handle = ~Handle{0};
   struct Entry {
     Ticker* participant;  // null: it has gone
@@ -114,7 +114,7 @@ class Timeline {
     WinnerTree tree;
 
     [[nodiscard]] Place first() const noexcept {
-      return tree.earliest() == never ? nobody : Place{tree.earliest(), entries[tree.winner()].order};
+      return tree.earliest() == never ? nothing_due : Place{tree.earliest(), entries[tree.winner()].order};
     }
   };
   [[nodiscard]] static Handle handle_of(WinnerTree::Index index, Rank rank) noexcept {

@@ -53,7 +53,7 @@ std::optional<NmtState> state_of(std::uint8_t byte) {
 }  // namespace
 
 /// All questions to one node after the other, then the next node.
-class BusScan::NodeQuery final : public canopen::SdoClientUser {
+class BusScan::NodeQuery final : public canopen::SdoClientListener {
  public:
   NodeQuery(BusScan& scan, can::Sink& sink) : client(sink), scan_(scan) {
     constexpr std::size_t longest_name = 1024;

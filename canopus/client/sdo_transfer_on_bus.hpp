@@ -37,7 +37,7 @@ struct SdoSpeed {
 /// "70000 bytes in 1.23 s, 56.9 kB/s, segmented"
 [[nodiscard]] std::string describe(const SdoSpeed& speed);
 
-class SdoOnBus final : public can::Participant, private canopen::SdoClientUser {
+class SdoOnBus final : public can::Participant, private canopen::SdoClientListener {
  public:
   /// Gets how many bytes have passed, of how many (0 = not known), every now and then.
   using Progress = std::function<void(std::size_t bytes, std::size_t of)>;

@@ -40,7 +40,7 @@ struct IdentifierFilter {
 };
 
 /// Hears a bus. May send from inside.
-class BusClientUser {
+class BusClientListener {
  public:
   virtual void frame_received(const can::Frame& frame) = 0;
   /// The same with the time stamp of the kernel or hardware (since 1970, UTC), where there is one. Who does not
@@ -68,7 +68,7 @@ class BusClientUser {
   virtual void bus_complains(std::string_view /*text*/) {}
 
  protected:
-  ~BusClientUser() = default;
+  ~BusClientListener() = default;
 };
 
 class BusClient : public can::Sink {
@@ -76,7 +76,7 @@ class BusClient : public can::Sink {
   virtual ~BusClient() = default;
   /// Frames sent by this client itself are not heard. send() is false when 4096 frames wait already, or the
   /// bus is lost or interrupted.
-  virtual void set_user(BusClientUser* user) = 0;
+  virtual void set_user(BusClientListener* user) = 0;
   /// Ends the connection once everything sent so far is on its way to the bus; runs the io_context until
   /// then, or for `time_out`. False when it was not done by then. Nothing is heard from now on.
   virtual bool close(std::chrono::milliseconds time_out) = 0;

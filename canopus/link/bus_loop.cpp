@@ -42,7 +42,7 @@ can::Duration BusLoop::elapsed() const {
 
 can::Time BusLoop::now() const { return can::Time{} + (patient_ ? patient_->at(elapsed()) : elapsed()); }
 
-void BusLoop::be_patient() {
+void BusLoop::extend_timeouts() {
   patient_.emplace();
   patient_->start(elapsed());
 }
@@ -54,23 +54,23 @@ bool BusLoop::send(const can::Frame& frame) {
 }
 
 void BusLoop::add(can::Participant& participant) {
-  seats_.push_back({&participant, timeline_.add(participant)});
+  entries_.push_back({&participant, timeline_.add(participant)});
 }
 
 void BusLoop::remove(can::Participant& participant) { remove_listener(participant); }
 
-void BusLoop::add_listener(can::Listener& listener) { seats_.push_back({&listener, std::nullopt}); }
+void BusLoop::add_listener(can::Listener& listener) { entries_.push_back({&listener, std::nullopt}); }
 
 void BusLoop::remove_listener(can::Listener& listener) {
-  const auto seat = std::ranges::find(seats_, &listener, &Seat::listener);
-  if (seat == seats_.end()) return;
-  if (seat->handle) timeline_.remove(*seat->handle);
-  seats_.erase(seat);
+  const auto entry = std::ranges::find(entries_, &listener, &Entry::listener);
+  if (entry == entries_.end()) return;
+  if (entry->handle) timeline_.remove(*entry->handle);
+  entries_.erase(entry);
 }
 
 void BusLoop::frame_received(const can::Frame& frame) {
   const can::Time time = now();
-  for (std::size_t i = 0; i < seats_.size(); ++i) seats_[i].listener->receive(frame, time);
+  for (std::size_t i = 0; i < entries_.size(); ++i) entries_[i].listener->receive(frame, time);
 }
 
 void BusLoop::bus_lost(const std::string& reason) {
@@ -98,7 +98,7 @@ BusLoop::End BusLoop::run(const std::function<bool()>& done, can::Time end) {
     if (next <= now()) continue;
     if (io_.stopped()) io_.restart();
     if (patient_) {
-      io_.run_one_until(WallClock::now() + std::min<can::Duration>(next - now(), PatientClock::often));
+      io_.run_one_until(WallClock::now() + std::min<can::Duration>(next - now(), SuspendAwareClock::often));
     } else if (next == can::never) {
       io_.run_one();
     } else {

@@ -18,11 +18,11 @@
 #include "canopus/can/controller.hpp"
 #include "canopus/can/timeline.hpp"
 #include "canopus/link/bus_client.hpp"
-#include "canopus/link/patient_clock.hpp"
+#include "canopus/link/suspend_aware_clock.hpp"
 
 namespace canopus::link {
 
-class BusLoop final : public can::Sink, private BusClientUser {
+class BusLoop final : public can::Sink, private BusClientListener {
  public:
   enum class Signals : std::uint8_t {
     end_run,     ///< Ctrl-C and SIGTERM
@@ -61,9 +61,9 @@ class BusLoop final : public can::Sink, private BusClientUser {
   void remove_listener(can::Listener& listener);
   /// Since the bus was joined.
   [[nodiscard]] can::Time now() const;
-  /// From now on time in which this process stood still does not count (PatientClock): for those who ask and
+  /// From now on time in which this process stood still does not count (SuspendAwareClock): for those who ask and
   /// take silence for an answer. Others need the real time.
-  void be_patient();
+  void extend_timeouts();
 
   /// For servers that share the loop; they live while it runs.
   [[nodiscard]] boost::asio::io_context& io() noexcept { return io_; }
@@ -98,7 +98,7 @@ class BusLoop final : public can::Sink, private BusClientUser {
   }
   [[nodiscard]] can::Duration elapsed() const;
 
-  struct Seat {
+  struct Entry {
     can::Listener* listener;
     std::optional<can::Timeline::Handle> handle;  // none: it has no deadlines
   };
@@ -107,9 +107,9 @@ class BusLoop final : public can::Sink, private BusClientUser {
   boost::asio::signal_set signals_;
   std::unique_ptr<BusClient> bus_;
   can::Timeline timeline_;
-  std::vector<Seat> seats_;
+  std::vector<Entry> entries_;
   std::chrono::steady_clock::time_point started_;
-  std::optional<PatientClock> patient_;
+  std::optional<SuspendAwareClock> patient_;
   bool interrupted_ = false;
   bool lost_ = false;
   std::size_t under_way_ = 0;

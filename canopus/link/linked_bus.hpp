@@ -74,7 +74,7 @@ class LinkedPort final : public can::Port {
   bool has_other_rate_ = false;  // than the bus: hears and sends nothing
 };
 
-class LinkedBus final : public can::Bus, public can::Ticker, private BusClientUser {
+class LinkedBus final : public can::Bus, public can::Ticker, private BusClientListener {
  public:
   /// Hears what a person should know of this bus.
   using Report = std::function<void(std::string_view text, can::Time now)>;
@@ -124,7 +124,7 @@ class LinkedBus final : public can::Bus, public can::Ticker, private BusClientUs
     can::Frame frame{};
   };
 
-  // BusClientUser
+  // BusClientListener
   using Stamp = std::optional<std::chrono::nanoseconds>;
   void frame_received(const can::Frame& frame) override { frame_received_at(frame, std::nullopt); }
   void frame_received_at(const can::Frame& frame, Stamp received_at) override;

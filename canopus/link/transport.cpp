@@ -12,7 +12,7 @@ using Clock = std::chrono::steady_clock;
 Transport::Transport(boost::asio::io_context& io, BusClientOptions options)
     : io_(io), options_(options), pause_(io), complaint_pause_(io) {}
 
-void Transport::set_user(BusClientUser* user) {
+void Transport::set_user(BusClientListener* user) {
   user_ = user;
   if (user == nullptr || unheard_.empty()) return;
   boost::asio::post(io_, [self = shared_from_this()] {
@@ -141,7 +141,7 @@ class TransportClient final : public BusClient {
   TransportClient& operator=(const TransportClient&) = delete;
 
   bool send(const can::Frame& frame) override { return transport_->send(frame); }
-  void set_user(BusClientUser* user) override { transport_->set_user(user); }
+  void set_user(BusClientListener* user) override { transport_->set_user(user); }
   bool close(std::chrono::milliseconds time_out) override {
     transport_->set_user(nullptr);
     transport_->finish();

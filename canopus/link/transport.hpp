@@ -33,7 +33,7 @@ class Transport : public std::enable_shared_from_this<Transport> {
   Transport& operator=(const Transport&) = delete;
 
   /// What was to be said before there was a user is said soon.
-  void set_user(BusClientUser* user);
+  void set_user(BusClientListener* user);
   bool send(const can::Frame& frame);
   [[nodiscard]] State state() const noexcept { return state_; }
   /// Why it ended.
@@ -114,7 +114,7 @@ class Transport : public std::enable_shared_from_this<Transport> {
   boost::asio::io_context& io_;
   BusClientOptions options_;
   boost::asio::steady_timer pause_;
-  BusClientUser* user_ = nullptr;
+  BusClientListener* user_ = nullptr;
   State state_ = State::opening;
   bool closing_ = false;
   bool reporting_ = false;

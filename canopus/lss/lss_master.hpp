@@ -1,5 +1,5 @@
 #pragma once
-// LSS master [CiA 305]: one service at a time, each ends with LssMasterUser::lss_finished(). Requests go on
+// LSS master [CiA 305]: one service at a time, each ends with LssMasterListener::lss_finished(). Requests go on
 // 7E5H, answers come on 7E4H. Services without an answer end at once (in the next tick()).
 //
 // Only the active NMT master of a network may be its LSS master. Services other than switch state, identify
@@ -23,13 +23,13 @@ enum class LssResult : std::uint8_t {
 
 class LssMaster;
 
-class LssMasterUser {
+class LssMasterListener {
  public:
   /// The service ended; the next one may be begun from inside.
   virtual void lss_finished(LssMaster& master, LssResult result, can::Time now) = 0;
 
  protected:
-  ~LssMasterUser() = default;
+  ~LssMasterListener() = default;
 };
 
 class LssMaster {
@@ -39,8 +39,8 @@ class LssMaster {
     can::Duration pause = std::chrono::milliseconds(1);       ///< between frames of one service
   };
 
-  LssMaster(can::Sink& sink, LssMasterUser& user) : LssMaster(sink, user, Options{}) {}
-  LssMaster(can::Sink& sink, LssMasterUser& user, Options options)
+  LssMaster(can::Sink& sink, LssMasterListener& user) : LssMaster(sink, user, Options{}) {}
+  LssMaster(can::Sink& sink, LssMasterListener& user, Options options)
       : sink_(&sink), user_(&user), options_(options) {}
 
   /// For an answer, from the next service on.
@@ -109,7 +109,7 @@ class LssMaster {
   void finish(LssResult result, can::Time now);
 
   can::Sink* sink_;
-  LssMasterUser* user_;
+  LssMasterListener* user_;
   Options options_;
   Service service_ = Service::none;
   std::uint8_t expected_ = 0;  // command specifier of the answer

@@ -14,7 +14,7 @@
 
 namespace canopus::lss {
 
-class LssSearchUser {
+class LssSearchListener {
  public:
   /// The own controller is to be restarted with this bit rate (bit/s).
   virtual void change_bit_rate(std::uint32_t bit_rate, can::Time now) = 0;
@@ -22,10 +22,10 @@ class LssSearchUser {
   virtual void lss_search_finished(std::uint8_t node_id, bool found, can::Time now) = 0;
 
  protected:
-  ~LssSearchUser() = default;
+  ~LssSearchListener() = default;
 };
 
-class LssSearch final : private LssMasterUser {
+class LssSearch final : private LssMasterListener {
  public:
   struct Options {
     /// Silence before and after a device changes its bit rate.
@@ -38,8 +38,8 @@ class LssSearch final : private LssMasterUser {
     bool to_waiting_first = false;
   };
 
-  LssSearch(can::Sink& sink, LssSearchUser& user) : LssSearch(sink, user, Options{}) {}
-  LssSearch(can::Sink& sink, LssSearchUser& user, Options options)
+  LssSearch(can::Sink& sink, LssSearchListener& user) : LssSearch(sink, user, Options{}) {}
+  LssSearch(can::Sink& sink, LssSearchListener& user, Options options)
       : user_(&user), options_(options), master_(sink, *this, {.time_out = options.time_out}) {
     alarm_.add_part(deadline_);
     alarm_.add_part(master_.alarm());
@@ -86,7 +86,7 @@ class LssSearch final : private LssMasterUser {
   void wait(State state, can::Duration duration, can::Time now);
   void end(bool found, can::Time now);
 
-  LssSearchUser* user_;
+  LssSearchListener* user_;
   Options options_;
   LssMaster master_;
   State state_ = State::idle;

@@ -14,7 +14,7 @@
 
 namespace canopus::lss {
 
-class LssSlaveUser {
+class LssSlaveListener {
  public:
   /// An unconfigured device has got its node-ID: it is to initialize itself with it.
   virtual void node_id_assigned(std::uint8_t node_id, can::Time now) = 0;
@@ -27,14 +27,14 @@ class LssSlaveUser {
   virtual Stored store(std::uint8_t /*node_id*/, std::uint32_t /*bit_rate*/) { return Stored::not_supported; }
 
  protected:
-  ~LssSlaveUser() = default;
+  ~LssSlaveListener() = default;
 };
 
 class LssSlave {
  public:
   enum class State : std::uint8_t { waiting, configuration };
 
-  LssSlave(can::Sink& sink, LssSlaveUser& user, const LssAddress& address)
+  LssSlave(can::Sink& sink, LssSlaveListener& user, const LssAddress& address)
       : sink_(&sink), user_(&user), address_(address) {}
 
   /// After power-on or reset communication: the node-ID now in force (FFH: none) and the bit rate.
@@ -63,7 +63,7 @@ class LssSlave {
   void answer(std::uint8_t command, std::uint32_t value = 0);
 
   can::Sink* sink_;
-  LssSlaveUser* user_;
+  LssSlaveListener* user_;
   LssAddress address_;
   State state_ = State::waiting;
   Switching switching_ = Switching::no;

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "canopus/module/interface/communication_module.hpp"
-#include "canopus/plant/device_seat.hpp"
+#include "canopus/plant/device_on_bus.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plc/rack/rack.hpp"
 
@@ -27,9 +27,9 @@ std::vector<InitialPlantNode> initial_nodes(Plant& plant) {
     }
   }
   for (std::size_t number = 0; number < plant.device_count(); ++number) {
-    DeviceSeat& seat = plant.device(number);
+    DeviceOnBus& seat = plant.device(number);
     const NodeLabel label = seat.status().label;
-    DeviceSeat::InitialNode node = seat.initial_node();
+    DeviceOnBus::InitialNode node = seat.initial_node();
     if (!is_node_id(node.node_id)) continue;
     nodes.push_back({std::string(label.bus), std::string(label.name), node.node_id, std::move(node.objects)});
   }

@@ -51,7 +51,7 @@ PlantObserver& Plant::observer_of_bus(std::size_t number) noexcept {
 }
 void Plant::parts_met(can::Time now) {
   parts_->timeline.join_partitions(now);
-  PartEvents::release(parts_->events);
+  DeferredEvents::release(parts_->events);
 }
 const std::string& Plant::name() const noexcept { return parts_->file.name; }
 const PlantFile& Plant::file() const noexcept { return parts_->file; }
@@ -66,10 +66,10 @@ const PlcSection& Plant::plc_section(std::size_t number) const noexcept { return
 const std::vector<std::string>& Plant::connections() const noexcept { return parts_->connections; }
 
 std::size_t Plant::device_count() const noexcept { return parts_->devices.size(); }
-DeviceSeat& Plant::device(std::size_t number) noexcept { return *parts_->devices[number]; }
+DeviceOnBus& Plant::device(std::size_t number) noexcept { return *parts_->devices[number]; }
 
 std::size_t Plant::lift_count() const noexcept { return parts_->lifts.size(); }
-LiftSeat& Plant::lift(std::size_t number) noexcept { return *parts_->lifts[number]; }
+LiftOnBus& Plant::lift(std::size_t number) noexcept { return *parts_->lifts[number]; }
 
 std::vector<ForcedObject> Plant::forced() const {
   std::vector<ForcedObject> all;

@@ -189,8 +189,8 @@ class BusOpener {
   ~BusOpener() = default;
 };
 
-class DeviceSeat;
-class LiftSeat;
+class DeviceOnBus;
+class LiftOnBus;
 
 class Plant {
  public:
@@ -234,10 +234,10 @@ class Plant {
   [[nodiscard]] const PlcSection& plc_section(std::size_t number) const noexcept;
   /// The simulated devices, in the plant file's order.
   [[nodiscard]] std::size_t device_count() const noexcept;
-  [[nodiscard]] DeviceSeat& device(std::size_t number) noexcept;
+  [[nodiscard]] DeviceOnBus& device(std::size_t number) noexcept;
   /// The lifts, in the plant file's order.
   [[nodiscard]] std::size_t lift_count() const noexcept;
-  [[nodiscard]] LiftSeat& lift(std::size_t number) noexcept;
+  [[nodiscard]] LiftOnBus& lift(std::size_t number) noexcept;
   /// Every value that is forced now, device by device.
   [[nodiscard]] std::vector<ForcedObject> forced() const;
   /// All nodes, in the order of the plant file, modules first.

@@ -9,7 +9,7 @@
 
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/device_script.hpp"
-#include "canopus/plant/run_memory.hpp"
+#include "canopus/plant/volatile_memory.hpp"
 #include "canopus/sim/drive/servo.hpp"
 #include "canopus/store/file_memory.hpp"
 #include "canopus/text/file_text.hpp"
@@ -40,8 +40,8 @@ std::vector<text::FileError> Assembly::run() {
     sim::lift::BuildingSettings settings = parts_.file.lifts[i].building;
     if (!parts_.file.lifts[i].own_seed) settings.passengers.seed = seed_ * 1'000'003 + i;
     const std::string_view bus = parts_.file.lifts[i].bus;
-    parts_.lifts.push_back(std::make_unique<LiftSeat>(parts_.file.lifts[i], std::move(settings),
-                                                      timeline_of(bus), observer_of(bus)));
+    parts_.lifts.push_back(std::make_unique<LiftOnBus>(parts_.file.lifts[i], std::move(settings),
+                                                       timeline_of(bus), observer_of(bus)));
   }
   for (std::size_t i = 0; i < parts_.file.devices.size(); ++i) {
     const std::size_t before = parts_.devices.size();
@@ -109,7 +109,7 @@ void Assembly::add_bus(const BusSection& section) {
   }
   parts_.simulated.push_back(simulated);
   parts_.buses.push_back(std::move(bus));
-  parts_.watches.push_back(std::make_unique<BusWatch>(section.name, observer_of(section.name)));
+  parts_.watches.push_back(std::make_unique<NodeRegistry>(section.name, observer_of(section.name)));
   parts_.buses.back()->add_observer(*parts_.watches.back());
 }
 
@@ -200,7 +200,7 @@ can::Port& Assembly::add_port(const DeviceSection& section, std::uint8_t node_id
 
 /// What the device saves, and what LSS stores, by the node-ID it has by its factory settings, or if that is none, by its
 /// LSS address.
-void Assembly::give_memory(const DeviceSection& section, std::uint8_t node_id, DeviceSeat& seat) {
+void Assembly::give_memory(const DeviceSection& section, std::uint8_t node_id, DeviceOnBus& seat) {
   const eds::DeviceFile& file = seat.device().file();
   const bool is_unconfigured = node_id == lss::unconfigured;
   const bool is_lss_slave = section.lss.value_or(is_unconfigured || file.device.lss);
@@ -243,7 +243,7 @@ void Assembly::give_drive(const DriveSection& section, sim::Device& device) {
   device.set_application(std::move(*servo));
 }
 
-void Assembly::move_values(const DeviceSection& section, std::size_t number, DeviceSeat& seat) {
+void Assembly::move_values(const DeviceSection& section, std::size_t number, DeviceOnBus& seat) {
   for (std::size_t i = 0; i < section.behaviours.size(); ++i) {
     const BehaviourSection& wanted = section.behaviours[i];
     sim::Behaviour behaviour;
@@ -296,7 +296,7 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   file = configured(file, section);
   can::Bus& bus = parts_.bus(section.bus);
   can::Port& port = add_port(section, node, number);
-  auto seat = std::make_unique<DeviceSeat>(file, section, node, port, observer_of(section.bus));
+  auto seat = std::make_unique<DeviceOnBus>(file, section, node, port, observer_of(section.bus));
   give_memory(section, node, *seat);
   if (section.drive) give_drive(*section.drive, seat->device());
   move_values(section, number, *seat);
@@ -312,7 +312,7 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   parts_.device_ports.push_back(&port);
 }
 
-BusWatch& Assembly::watch(const can::Bus& bus) {
+NodeRegistry& Assembly::watch(const can::Bus& bus) {
   const auto found = std::ranges::find(parts_.buses, &bus, [](const auto& owned) { return owned.get(); });
   return *parts_.watches[static_cast<std::size_t>(found - parts_.buses.begin())];
 }
@@ -334,14 +334,14 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
   const CatalogueEntry& entry = *find_module(section.model);
   std::unique_ptr<module::NonVolatileMemory> memory;
   if (plc.store.empty()) {
-    memory = std::make_unique<RunMemory>();
+    memory = std::make_unique<VolatileMemory>();
   } else {
     const StoredAs stored = stores_.claim(plc, section, entry.stored, errors_);
     memory = std::make_unique<store::FileMemory>(stored.folder, stored.owner);
   }
   auto made = entry.make(port, *memory, {.restart_time = section.restart_time});
-  auto seat = std::make_unique<ModuleSeat>(section, plc.name, *parts_.racks[plc_number], std::move(memory),
-                                           std::move(made), watch(bus), observer_of(section.bus));
+  auto seat = std::make_unique<ModuleInRack>(section, plc.name, *parts_.racks[plc_number], std::move(memory),
+                                             std::move(made), watch(bus), observer_of(section.bus));
   module::CommunicationModule& module = seat->module();
   const auto bus_section = std::ranges::find(parts_.file.buses, section.bus, &BusSection::name);
   if (entry.download != nullptr)

@@ -67,9 +67,9 @@ class Assembly {
   void add_device(const DeviceSection& section, std::size_t number);
   std::uint8_t node_id(const DeviceSection& section, const eds::DeviceFile& file);
   can::Port& add_port(const DeviceSection& section, std::uint8_t node_id, std::size_t number);
-  void give_memory(const DeviceSection& section, std::uint8_t node_id, DeviceSeat& seat);
+  void give_memory(const DeviceSection& section, std::uint8_t node_id, DeviceOnBus& seat);
   void give_drive(const DriveSection& section, sim::Device& device);
-  void move_values(const DeviceSection& section, std::size_t number, DeviceSeat& seat);
+  void move_values(const DeviceSection& section, std::size_t number, DeviceOnBus& seat);
   void play_back(const PlaybackSection& section, sim::Device& device);
   void add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section);
   /// A slave of a master, as written in the plant file, or by slaves = "all".
@@ -99,7 +99,7 @@ class Assembly {
   void set_faults(const BusSection& section, sim::Bus& bus);
   void set_line(const BusSection& section, sim::Bus* bus);
   void review_buses();
-  BusWatch& watch(const can::Bus& bus);
+  NodeRegistry& watch(const can::Bus& bus);
   /// The part of the plant that a bus of the plant file belongs to.
   [[nodiscard]] std::size_t part_of(std::string_view bus) const;
   can::Timeline& timeline_of(std::string_view bus) { return parts_.timeline_of(part_of(bus)); }
@@ -120,8 +120,8 @@ class Assembly {
   std::map<std::string, File>
       configured_;  // of them with values of the plant file: by the file and the values
   std::set<std::pair<std::string, std::uint8_t>> nodes_;  // bus, node-ID
-  std::vector<std::pair<const DeviceSection*, DeviceSeat*>> device_sections_;
-  std::vector<std::pair<const ModuleSection*, ModuleSeat*>> module_sections_;
+  std::vector<std::pair<const DeviceSection*, DeviceOnBus*>> device_sections_;
+  std::vector<std::pair<const ModuleSection*, ModuleInRack*>> module_sections_;
   std::vector<std::size_t> module_plcs_;  // of each module
   bool complete_ = true;                  // nothing had to be left out
   text::FileErrors errors_;

@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "canopus/plant/bus_bridge.hpp"
-#include "canopus/plant/bus_watch.hpp"
-#include "canopus/plant/device_seat.hpp"
-#include "canopus/plant/lift_seat.hpp"
-#include "canopus/plant/module_seat.hpp"
-#include "canopus/plant/part_events.hpp"
+#include "canopus/plant/deferred_events.hpp"
+#include "canopus/plant/device_on_bus.hpp"
+#include "canopus/plant/lift_on_bus.hpp"
+#include "canopus/plant/module_in_rack.hpp"
+#include "canopus/plant/node_registry.hpp"
 #include "canopus/plant/plant.hpp"
-#include "canopus/plant/plant_division.hpp"
+#include "canopus/plant/plant_partitioning.hpp"
 #include "canopus/plant/plant_stores.hpp"
 #include "canopus/plant/plant_timers.hpp"
 #include "canopus/plc/rack/module_refresh.hpp"
@@ -28,16 +28,16 @@ namespace canopus::plant {
 struct Plant::Parts {
   PlantFile file;
   can::Timeline timeline;
-  PlantDivision division;
-  std::vector<std::unique_ptr<PartEvents>> events;  // of each part; of a plant without buses: one
+  PlantPartitioning division;
+  std::vector<std::unique_ptr<DeferredEvents>> events;  // of each part; of a plant without buses: one
   std::vector<std::unique_ptr<can::Bus>> buses;
   std::vector<sim::Bus*> simulated;  // of each bus; null: it is another one
   std::vector<std::unique_ptr<BusBridge>> bridges;
-  std::vector<std::unique_ptr<BusWatch>> watches;
-  std::vector<std::unique_ptr<LiftSeat>> lifts;
-  std::vector<std::unique_ptr<DeviceSeat>> devices;
+  std::vector<std::unique_ptr<NodeRegistry>> watches;
+  std::vector<std::unique_ptr<LiftOnBus>> lifts;
+  std::vector<std::unique_ptr<DeviceOnBus>> devices;
   std::vector<const can::Port*> device_ports;  // of each device
-  std::vector<std::unique_ptr<ModuleSeat>> modules;
+  std::vector<std::unique_ptr<ModuleInRack>> modules;
   std::vector<const can::Port*> module_ports;  // of each module
   std::vector<std::unique_ptr<plc::Rack>> racks;
   std::vector<std::unique_ptr<plc::ModuleRefresh>> refreshes;

@@ -24,8 +24,8 @@ constexpr Finding findings[] = {
 
 }  // namespace
 
-ReviewedNode reviewed(const DeviceSection& section, DeviceSeat& seat) {
-  DeviceSeat::InitialNode begin = seat.initial_node();
+ReviewedNode reviewed(const DeviceSection& section, DeviceOnBus& seat) {
+  DeviceOnBus::InitialNode begin = seat.initial_node();
   std::string name(seat.status().label.name);
   if (name.empty()) name = std::filesystem::path(section.eds).filename().string();
   if (begin.node_id != lss::unconfigured) name = fmt::format("node {} ({})", begin.node_id, name);

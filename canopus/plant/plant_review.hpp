@@ -13,7 +13,7 @@
 #include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/module/interface/communication_module.hpp"
-#include "canopus/plant/device_seat.hpp"
+#include "canopus/plant/device_on_bus.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 
 namespace canopus::plant {
@@ -41,7 +41,7 @@ struct ReviewedNode {
   bool is_lss_slave = false;                                   ///< and whether LSS can set it
   std::vector<ReviewedPdo> pdos{};                             ///< active_pdos()
 };
-[[nodiscard]] ReviewedNode reviewed(const DeviceSection& section, DeviceSeat& seat);
+[[nodiscard]] ReviewedNode reviewed(const DeviceSection& section, DeviceOnBus& seat);
 [[nodiscard]] ReviewedNode reviewed(const ModuleSection& section, std::string_view name,
                                     module::CommunicationModule::InitialNode node);
 

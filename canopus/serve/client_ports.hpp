@@ -11,7 +11,7 @@
 #include "canopus/can/error_frame.hpp"
 #include "canopus/can/timeline.hpp"
 #include "canopus/link/socketcand_server.hpp"
-#include "canopus/plant/unacknowledged.hpp"
+#include "canopus/plant/missing_ack_detector.hpp"
 
 namespace canopus::serve {
 
@@ -90,7 +90,7 @@ class ClientPort final : public can::Participant, private can::BusObserver {
   static constexpr std::size_t queued_frames = 128;
   std::uint32_t last_class_ = 0;
   link::AttachedClient* client_ = nullptr;
-  plant::Unacknowledged unacknowledged_;
+  plant::MissingAckDetector unacknowledged_;
   can::Bus& bus_;
   can::Port& port_;
 };

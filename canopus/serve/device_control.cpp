@@ -10,7 +10,7 @@
 #include "canopus/eds/value.hpp"
 #include "canopus/module/interface/event_records.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
-#include "canopus/plant/device_seat.hpp"
+#include "canopus/plant/device_on_bus.hpp"
 #include "canopus/plant/file/process_value.hpp"
 #include "canopus/plc/rack/rack.hpp"
 #include "canopus/serve/control_message.hpp"
@@ -141,7 +141,7 @@ Result<Json> Request::list() const {
   if (auto good = fields_.check({}); !good) return std::unexpected(good.error());
   Json devices = Json::array();
   for (std::size_t i = 0; i < plant_.device_count(); ++i) {
-    plant::DeviceSeat& seat = plant_.device(i);
+    plant::DeviceOnBus& seat = plant_.device(i);
     Json device = plate_of(seat.status().label);
     device["state"] = seat.status().is_on ? canopen::name(seat.status().state) : "off";
     device["forced"] = Json::array();
@@ -190,7 +190,7 @@ Result<Json> Request::set() {
     return std::unexpected(good.error());
   const auto number = device();
   if (!number) return std::unexpected(number.error());
-  plant::DeviceSeat& seat = plant_.device(*number);
+  plant::DeviceOnBus& seat = plant_.device(*number);
   const auto object = fields_.text("object");
   if (!object) return std::unexpected(object.error());
   const auto entry = plant::find_process_value(seat.device(), *object);
@@ -218,7 +218,7 @@ Result<Json> Request::release() {
   if (auto good = fields_.check({"device", "object"}); !good) return std::unexpected(good.error());
   const auto number = device();
   if (!number) return std::unexpected(number.error());
-  plant::DeviceSeat& seat = plant_.device(*number);
+  plant::DeviceOnBus& seat = plant_.device(*number);
   std::vector<Entry> entries;
   if (fields_.has("object")) {
     const auto object = fields_.text("object");

@@ -58,7 +58,7 @@ Histogram sleep_jitter(const JitterOptions& options, std::vector<std::string>& r
 }
 
 /// The other program: writes down when SYNC comes, and asks for an object now and then.
-class Watcher final : private link::BusClientUser {
+class Watcher final : private link::BusClientListener {
  public:
   Watcher(asio::io_context& io, link::BusClient& bus, nanoseconds period)
       : bus_(bus), period_(period), timer_(io) {
@@ -170,8 +170,8 @@ std::expected<JitterResult, std::string> measure_jitter(const JitterOptions& opt
   if (!ends) return std::unexpected(ends.error());
   OpenEnd opener(std::move(ends->near));
   struct Nobody final : plant::PlantObserver {
-  } nobody;
-  auto plant = plant::Plant::build(plant_of(options), nobody, std::nullopt, &opener);
+  } no_observer;
+  auto plant = plant::Plant::build(plant_of(options), no_observer, std::nullopt, &opener);
   if (!plant) return std::unexpected(plant.error().front().message);
 
   Watcher watcher(far_io, *ends->far, options.period);
@@ -183,7 +183,7 @@ std::expected<JitterResult, std::string> measure_jitter(const JitterOptions& opt
   });
   std::thread of_plant([&] {
     if (options.real_time) (void)ask_for_real_time(*options.real_time);
-    RealTime clock(near_io, **plant, nobody, can::Time{} + start_up + options.length);
+    RealTime clock(near_io, **plant, no_observer, can::Time{} + start_up + options.length);
     opener.bus->start(&clock, {});
     (*plant)->power_on();
     clock.start();

@@ -27,7 +27,7 @@ class ReplayBus final : public link::BusClient, public can::Ticker {
   ReplayBus& operator=(const ReplayBus&) = delete;
 
   bool send(const can::Frame& frame) override;
-  void set_user(link::BusClientUser* user) override { user_ = user; }
+  void set_user(link::BusClientListener* user) override { user_ = user; }
   bool close(std::chrono::milliseconds) override { return true; }
 
   void tick(can::Time now) override;
@@ -44,7 +44,7 @@ class ReplayBus final : public link::BusClient, public can::Ticker {
   std::unique_ptr<trace::TraceReader> reader_;
   std::string channel_;
   can::Timeline& timeline_;
-  link::BusClientUser* user_ = nullptr;
+  link::BusClientListener* user_ = nullptr;
   std::optional<trace::TraceRecord> next_;
   std::optional<can::Time> zero_;  // of the trace
   can::Time at_ = can::never;      // of next_, in the run, or when to read on

@@ -56,7 +56,7 @@ class Tank final : public sim::DeviceApplication {
 /// Boots the tank [CiA 302-2], turns the pump on by SDO, and off again when the tank says that it is full.
 class Master final : public manager::MasterNode,
                      private manager::MasterListener,
-                     private canopen::SdoClientUser {
+                     private canopen::SdoClientListener {
  public:
   explicit Master(can::Sink& bus) : MasterNode(manager::master_dictionary(), 127, bus), sdo_(bus) {
     master().set_listener(this);

@@ -27,7 +27,7 @@ using namespace std::chrono_literals;
 /// A node of its own with an NMT master on it.
 class Master final : public manager::MasterNode,
                      private manager::MasterListener,
-                     private canopen::SdoClientUser {
+                     private canopen::SdoClientListener {
  public:
   Master(can::Sink& bus, std::vector<std::uint8_t> slaves)
       : MasterNode(manager::master_dictionary(), 127, bus), slaves_(std::move(slaves)) {
@@ -91,7 +91,7 @@ class Master final : public manager::MasterNode,
   // The boot of a node waits while this program asks it something.
   bool sdo_channel_free(std::uint8_t node) override { return !sdo_.at(node).busy(); }
 
-  // canopen::SdoClientUser
+  // canopen::SdoClientListener
   void sdo_finished(canopen::SdoClient& client, can::Time now) override {
     ++answers_;
     const std::string name(client.data().begin(), client.data().end());

@@ -17,7 +17,7 @@
 #include "canopus/cli/analysis/message_printer.hpp"
 #include "canopus/cli/events/event_printer.hpp"
 #include "canopus/client/sdo_transfer_on_bus.hpp"
-#include "canopus/plant/device_seat.hpp"
+#include "canopus/plant/device_on_bus.hpp"
 #include "canopus/plant/file/process_value.hpp"
 #include "canopus/serve/linked_buses.hpp"
 #include "canopus/serve/plant_runs.hpp"
@@ -33,9 +33,9 @@ namespace canopus::python {
 using namespace std::chrono_literals;
 
 /// A port of the plant, and what it has heard.
-class PlantPort::Seat final : public can::Participant {
+class PlantPort::Attachment final : public can::Participant {
  public:
-  Seat(can::Bus& bus, can::Timeline& timeline, const std::string& name)
+  Attachment(can::Bus& bus, can::Timeline& timeline, const std::string& name)
       : timeline_(&timeline), port_(&bus.add_port(name)), handle_(timeline.add(*this, name)) {
     port_->connect(*this);
   }
@@ -123,9 +123,9 @@ class PlantPort::Seat final : public can::Participant {
 };
 
 /// An SDO client on a bus.
-class SdoSeat final : public can::Participant, private canopen::SdoClientUser {
+class SdoOnBus final : public can::Participant, private canopen::SdoClientListener {
  public:
-  SdoSeat(can::Bus& bus, can::Timeline& timeline)
+  SdoOnBus(can::Bus& bus, can::Timeline& timeline)
       : port(bus.add_port("SDO client")), timeline_(timeline), client(port) {
     alarm().add_part(client.alarm());
     timeline.add(*this, "SDO client");
@@ -214,8 +214,8 @@ struct PlantRun::Parts {
   std::unique_ptr<trace::Decoder> decoder;
   std::vector<std::unique_ptr<Analyser>> analysers;
   std::map<std::string, Recorder> recorders;
-  std::map<std::string, std::unique_ptr<SdoSeat>> sdo_seats;
-  std::vector<std::shared_ptr<PlantPort::Seat>> seats;
+  std::map<std::string, std::unique_ptr<SdoOnBus>> sdo_clients;
+  std::vector<std::shared_ptr<PlantPort::Attachment>> attachments;
   std::vector<PlantGuest*> guests;
   std::vector<std::pair<can::Bus*, std::shared_ptr<PlantPicture>>> pictures;
   std::unique_ptr<plant::Plant> plant;
@@ -299,12 +299,14 @@ struct PlantRun::Parts {
   }
 
   [[nodiscard]] bool is_awaited() const noexcept {
-    return std::ranges::any_of(seats, [](const auto& seat) { return seat->is_awaited; });
+    return std::ranges::any_of(attachments, [](const auto& attachment) { return attachment->is_awaited; });
   }
   /// Those in other threads who wait for frames get them at their moment.
   void wait_for_takers() {
-    const auto is_due = [](const auto& seat) { return seat->is_awaited && !seat->frames.empty(); };
-    if (!arrival || std::ranges::none_of(seats, is_due)) return;
+    const auto is_due = [](const auto& attachment) {
+      return attachment->is_awaited && !attachment->frames.empty();
+    };
+    if (!arrival || std::ranges::none_of(attachments, is_due)) return;
     const Running between(is_between);
     arrival();
   }
@@ -389,8 +391,8 @@ struct PlantRun::Parts {
     if (!plant) return;
     last = timeline().now();
     runs.reset();
-    for (const auto& seat : seats) seat->leave();
-    seats.clear();
+    for (const auto& attachment : attachments) attachment->leave();
+    attachments.clear();
     for (PlantGuest* guest : std::exchange(guests, {})) guest->plant_ends();
     for (auto& [name, recorder] : recorders) bus(name).remove_observer(recorder);
     for (std::size_t i = 0; i < analysers.size(); ++i) plant->bus(i).remove_observer(*analysers[i]);
@@ -399,7 +401,7 @@ struct PlantRun::Parts {
     scripts.clear();
     hook = nullptr;
     plant.reset();
-    sdo_seats.clear();
+    sdo_clients.clear();
   }
 };
 

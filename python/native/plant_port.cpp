@@ -11,17 +11,17 @@ PlantPort::PlantPort(std::shared_ptr<PlantRun> run, std::string_view bus, const 
   parts.check();
   parts.start();
   can::Bus& on = parts.bus(bus);
-  seat_ = std::make_shared<Seat>(on, parts.timeline_of(on), name);
-  parts.seats.push_back(seat_);
+  attachment_ = std::make_shared<Attachment>(on, parts.timeline_of(on), name);
+  parts.attachments.push_back(attachment_);
 }
 
 PlantPort::~PlantPort() { close(); }
 
 void PlantPort::close() noexcept {
   PlantRun::Parts& parts = *run_->parts_;
-  if (seat_->port() == nullptr || parts.is_running) return;
-  seat_->leave();
-  std::erase(parts.seats, seat_);
+  if (attachment_->port() == nullptr || parts.is_running) return;
+  attachment_->leave();
+  std::erase(parts.attachments, attachment_);
 }
 
 void PlantPort::send(const can::Frame& frame) {
@@ -30,53 +30,54 @@ void PlantPort::send(const can::Frame& frame) {
 
 bool PlantPort::offer(const can::Frame& frame) {
   run_->parts_->check_between();
-  if (seat_->port() == nullptr) throw PlantProblem("the port is closed");
-  return seat_->port()->send(frame);
+  if (attachment_->port() == nullptr) throw PlantProblem("the port is closed");
+  return attachment_->port()->send(frame);
 }
 
 std::optional<TimedFrame> PlantPort::receive(can::Duration time_out) {
   run_->parts_->check();
-  if (seat_->port() == nullptr) throw PlantProblem("the port is closed");
-  if (seat_->frames.empty() && time_out > 0ns) {
-    run_->parts_->drive(can::later(run_->now(), time_out), 0ns, [this] { return !seat_->frames.empty(); });
+  if (attachment_->port() == nullptr) throw PlantProblem("the port is closed");
+  if (attachment_->frames.empty() && time_out > 0ns) {
+    run_->parts_->drive(can::later(run_->now(), time_out), 0ns,
+                        [this] { return !attachment_->frames.empty(); });
   }
   return take();
 }
 
 std::optional<TimedFrame> PlantPort::take() {
-  if (seat_->frames.empty()) return std::nullopt;
-  const TimedFrame frame = seat_->frames.front();
-  seat_->frames.pop_front();
+  if (attachment_->frames.empty()) return std::nullopt;
+  const TimedFrame frame = attachment_->frames.front();
+  attachment_->frames.pop_front();
   return frame;
 }
 
 std::size_t PlantPort::repeat(std::vector<can::Frame> frames, can::Duration period, can::Duration duration) {
   run_->parts_->check_between();
-  if (seat_->port() == nullptr) throw PlantProblem("the port is closed");
+  if (attachment_->port() == nullptr) throw PlantProblem("the port is closed");
   if (frames.empty()) throw PlantProblem("there is no frame to repeat");
   if (period < 10us) throw PlantProblem("the period is less than 10 us");
-  return seat_->repeat(std::move(frames), period, duration);
+  return attachment_->repeat(std::move(frames), period, duration);
 }
 
 bool PlantPort::change(std::size_t token, std::vector<can::Frame> frames) {
   run_->parts_->check_between();
-  return seat_->change(token, std::move(frames));
+  return attachment_->change(token, std::move(frames));
 }
 
 void PlantPort::stop(std::size_t token) {
-  if (seat_->port() == nullptr) return;
+  if (attachment_->port() == nullptr) return;
   run_->parts_->check_between();
-  seat_->stop(token);
+  attachment_->stop(token);
 }
 
-void PlantPort::await(bool is_awaited) noexcept { seat_->is_awaited = is_awaited; }
-std::size_t PlantPort::waiting() const noexcept { return seat_->frames.size(); }
-std::uint64_t PlantPort::unsent() const noexcept { return seat_->unsent; }
-std::uint64_t PlantPort::lost() const noexcept { return seat_->lost; }
+void PlantPort::await(bool is_awaited) noexcept { attachment_->is_awaited = is_awaited; }
+std::size_t PlantPort::waiting() const noexcept { return attachment_->frames.size(); }
+std::uint64_t PlantPort::unsent() const noexcept { return attachment_->unsent; }
+std::uint64_t PlantPort::lost() const noexcept { return attachment_->lost; }
 
 std::string PlantPort::state() const {
-  if (seat_->port() == nullptr) throw PlantProblem("the port is closed");
-  return std::string(can::name(seat_->port()->error_state()));
+  if (attachment_->port() == nullptr) throw PlantProblem("the port is closed");
+  return std::string(can::name(attachment_->port()->error_state()));
 }
 
 }  // namespace canopus::python

@@ -247,21 +247,22 @@ SdoResult PlantRun::sdo(const std::string& bus, unsigned node, unsigned index, u
   }
   if (time_out <= 0ns) throw PlantProblem("the time-out is not above 0");
   parts_->start();
-  auto& seat = parts_->sdo_seats[on.name()];
-  if (!seat) seat = std::make_unique<SdoSeat>(on, parts_->timeline_of(on));
-  if (!seat->start(node, index, sub, value, time_out, block)) throw PlantProblem("the bus takes no frame");
+  auto& attachment = parts_->sdo_clients[on.name()];
+  if (!attachment) attachment = std::make_unique<SdoOnBus>(on, parts_->timeline_of(on));
+  if (!attachment->start(node, index, sub, value, time_out, block))
+    throw PlantProblem("the bus takes no frame");
   try {
-    parts_->drive(can::never, 0ns, [&seat] { return seat->is_over; });
+    parts_->drive(can::never, 0ns, [&attachment] { return attachment->is_over; });
   } catch (...) {
-    seat->cancel();
+    attachment->cancel();
     throw;
   }
-  const canopen::AbortCode code = seat->client.abort_code();
+  const canopen::AbortCode code = attachment->client.abort_code();
   SdoResult result{.abort_code = static_cast<std::uint32_t>(client::abort_on_bus(code))};
   if (code != canopen::AbortCode::none) {
-    result.reason = client::describe_abort(code, !seat->client.gave_up(), time_out);
+    result.reason = client::describe_abort(code, !attachment->client.gave_up(), time_out);
   } else if (!value) {
-    result.data.assign(seat->client.data().begin(), seat->client.data().end());
+    result.data.assign(attachment->client.data().begin(), attachment->client.data().end());
   }
   return result;
 }

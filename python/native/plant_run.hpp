@@ -93,11 +93,11 @@ class PlantPort {
   /// Off the bus; again: nothing.
   void close() noexcept;
 
-  class Seat;  // known to plant_run.cpp alone
+  class Attachment;  // known to plant_run.cpp alone
 
  private:
   std::shared_ptr<PlantRun> run_;
-  std::shared_ptr<Seat> seat_;
+  std::shared_ptr<Attachment> attachment_;
 };
 
 class PlantRun : public std::enable_shared_from_this<PlantRun> {

@@ -141,7 +141,7 @@ TEST(Memory, NothingIsAllocatedOnAFramesPath) {
   can::Time now{};
   SdoClient client(bus);
   client.set_server(5);
-  struct User final : SdoClientUser {
+  struct User final : SdoClientListener {
     void sdo_finished(SdoClient&, can::Time) override {}
   } user;
   const std::uint8_t value[] = {1, 0};

@@ -35,7 +35,7 @@ struct Kind {
   bool with_size = true;
 };
 
-class Line final : public SdoClientUser {
+class Line final : public SdoClientListener {
  public:
   Line(Kind kind, std::vector<Disturbance> disturbances)
       : node(standard_objects().build(), 5, from_server, {.sdo_maximum_download = 1U << 20}),

@@ -7,7 +7,7 @@
 namespace canopus::canopen::sdo_client_test {
 namespace {
 
-class SdoClientTest : public testing::Test, public SdoClientUser {
+class SdoClientTest : public testing::Test, public SdoClientListener {
  protected:
   SdoClientTest() { client.set_server(9); }
   std::string hear(const std::string& frame) {
@@ -191,7 +191,9 @@ TEST_F(SdoClientTest, FramesOfOtherChannels_AreNotItsOwn) {
 }
 
 /// A server that has always another segment, and never says how many bytes there are.
-class EndlessServer : public testing::TestWithParam<SdoClient::Mode>, public can::Sink, public SdoClientUser {
+class EndlessServer : public testing::TestWithParam<SdoClient::Mode>,
+                      public can::Sink,
+                      public SdoClientListener {
  protected:
   static constexpr std::size_t limit = 16'777'216;
 

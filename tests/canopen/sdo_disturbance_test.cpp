@@ -12,7 +12,7 @@
 namespace canopus::canopen::sdo_disturbance_test {
 namespace {
 
-class DisturbedSdoClient : public testing::Test, public SdoClientUser {
+class DisturbedSdoClient : public testing::Test, public SdoClientListener {
  protected:
   DisturbedSdoClient() { client.set_server(9); }
   std::string hear(const std::string& frame) {

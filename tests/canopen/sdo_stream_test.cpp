@@ -15,7 +15,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 /// Client and server with two queues between them that may lose frames; a frame takes 100 us.
-class LossyLine : public SdoClientUser {
+class LossyLine : public SdoClientListener {
  public:
   explicit LossyLine(unsigned seed, unsigned loss_per_thousand)
       : node(standard_objects().build(), 5, from_server), random_(seed), loss_(loss_per_thousand) {
@@ -118,7 +118,7 @@ TEST(SdoTransfer, LostSegments_DoNotEndABlockTransfer) {
   Notebook bus;
   SdoClient client(bus);
   client.set_server(5);
-  struct User final : SdoClientUser {
+  struct User final : SdoClientListener {
     void sdo_finished(SdoClient&, can::Time) override { ++finished; }
     int finished = 0;
   } user;

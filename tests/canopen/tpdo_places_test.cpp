@@ -14,13 +14,13 @@
 namespace canopus::canopen::tpdo_places_test {
 namespace {
 
-TEST(Places, ValuesThatShareAByte_ShareAPlace) {
+TEST(ValueMask, ValuesThatShareAByte_ShareAPlace) {
   constexpr std::array<std::uint8_t, 5> lengths{1, 2, 3, 4, 8};
   for (std::uint32_t offset = 0; offset < 70; ++offset) {
     for (const std::uint8_t length : lengths) {
       for (std::uint32_t byte = offset; byte < offset + length; ++byte)
-        EXPECT_NE(places_of(offset, length) & places_of(byte, 1), 0) << offset << ' ' << byte;
-      EXPECT_EQ(places_of(offset, length) & places_of(offset + 12, length), 0) << offset;
+        EXPECT_NE(value_mask_of(offset, length) & value_mask_of(byte, 1), 0) << offset << ' ' << byte;
+      EXPECT_EQ(value_mask_of(offset, length) & value_mask_of(offset + 12, length), 0) << offset;
     }
   }
 }
@@ -53,23 +53,23 @@ struct Twin : Conversation {
     }
   }
   /// Where the value lies.
-  Places set(std::uint32_t mapped, std::uint64_t value) {
+  ValueMask set(std::uint32_t mapped, std::uint64_t value) {
     const auto index = static_cast<std::uint16_t>(mapped >> 16);
     const Entry entry = node.dictionary().description().find(index, static_cast<std::uint8_t>(mapped >> 8));
     node.dictionary().set(entry, value);
-    return index < 0x2000 ? Places{0} : places_of(entry.offset, entry.description->length);
+    return index < 0x2000 ? ValueMask{0} : value_mask_of(entry.offset, entry.description->length);
   }
 };
 
-TEST(Places, WhatTheEndOfAnInhibitTimeCouldNotSend_IsSentAtTheNextLook) {
+TEST(ValueMask, WhatTheEndOfAnInhibitTimeCouldNotSend_IsSentAtTheNextLook) {
   Twin node({}, {{.mapping = {0x60000108}, .type = 0xFF, .inhibit_time = 100, .event_timer = 0}});
   node.start();
-  const Places place = node.set(0x60000108, 7);
+  const ValueMask place = node.set(0x60000108, 7);
   EXPECT_EQ(node.node.values_changed(place, node.now), 1U);
   node.bus.is_full = true;
   EXPECT_EQ(node.wait(20ms), "");
   node.bus.is_full = false;
-  const Places other_place = node.set(0x60000808, 1);
+  const ValueMask other_place = node.set(0x60000808, 1);
   ASSERT_EQ(place & other_place, 0);
   EXPECT_EQ(node.node.values_changed(other_place, node.now), 1U);
   EXPECT_EQ(node.bus.take(), "185 07");
@@ -77,7 +77,7 @@ TEST(Places, WhatTheEndOfAnInhibitTimeCouldNotSend_IsSentAtTheNextLook) {
   EXPECT_EQ(node.node.values_changed(other_place, node.now), 0U);
 }
 
-TEST(Places, ATpdoWithoutValuesThatWasNotSentYet_IsSentAtTheNextLook) {
+TEST(ValueMask, ATpdoWithoutValuesThatWasNotSentYet_IsSentAtTheNextLook) {
   Twin node({}, {{.mapping = {0x00050008}, .type = 0xFF, .inhibit_time = 0, .event_timer = 0}});
   node.bus.is_full = true;
   node.start();
@@ -86,7 +86,7 @@ TEST(Places, ATpdoWithoutValuesThatWasNotSentYet_IsSentAtTheNextLook) {
   EXPECT_EQ(node.bus.take(), "185 00");
 }
 
-RC_GTEST_PROP(Places, OfWhatWasChanged_SayTheSameAsAll, ()) {
+RC_GTEST_PROP(ValueMask, OfWhatWasChanged_SayTheSameAsAll, ()) {
   const auto anything = [](auto below) {
     return *rc::gen::inRange<std::uint32_t>(0, static_cast<std::uint32_t>(below));
   };
@@ -107,7 +107,7 @@ RC_GTEST_PROP(Places, OfWhatWasChanged_SayTheSameAsAll, ()) {
   Twin some(options, tpdos);
   all.start();
   some.start();
-  Places changed = 0;
+  ValueMask changed = 0;
   for (int step = 0; step < 120; ++step) {
     std::string said;
     std::string said_by_some;
@@ -141,7 +141,7 @@ RC_GTEST_PROP(Places, OfWhatWasChanged_SayTheSameAsAll, ()) {
             const std::uint64_t value = anything(3);
             all.write(0x6500, 0, value, 8);
             some.write(0x6500, 0, value, 8);
-            changed = all_places;
+            changed = all_values;
             break;
           }
           case 1: {

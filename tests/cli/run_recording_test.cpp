@@ -24,9 +24,9 @@ TEST(VcdPath, NeverLeavesTheFolderByTheNameOfABus) {
 /// A real bus of which the test is the kernel.
 struct Kernel final : link::BusClient {
   bool send(const can::Frame&) override { return true; }
-  void set_user(link::BusClientUser* new_user) override { user = new_user; }
+  void set_user(link::BusClientListener* new_user) override { user = new_user; }
   bool close(std::chrono::milliseconds) override { return true; }
-  link::BusClientUser* user = nullptr;
+  link::BusClientListener* user = nullptr;
 };
 
 TEST(TraceWriter, FramesOfARealBus_HaveTheStampsOfTheKernel) {

@@ -23,7 +23,7 @@ void print(const char* what, const can::Frame& frame) {
   fmt::print("\n");
 }
 
-struct Probe : link::BusClientUser {
+struct Probe : link::BusClientListener {
   void frame_received(const can::Frame& frame) override {
     ++heard;
     print("heard", frame);

@@ -26,7 +26,7 @@ using namespace std::chrono_literals;
 
 constexpr auto patience = 10s;  // never reached when all is well
 
-struct Listener : BusClientUser {
+struct Listener : BusClientListener {
   void frame_received(const can::Frame& frame) override { frames.push_back(frame); }
   void frame_sent(const can::Frame& frame) override { sent.push_back(frame); }
   void controller_changed(const ControllerStatus& status) override { statuses.push_back(status); }

@@ -17,9 +17,9 @@ using testing::ElementsAre;
 
 struct Kernel final : BusClient {
   bool send(const can::Frame&) override { return true; }
-  void set_user(BusClientUser* new_user) override { user = new_user; }
+  void set_user(BusClientListener* new_user) override { user = new_user; }
   bool close(std::chrono::milliseconds) override { return true; }
-  BusClientUser* user = nullptr;
+  BusClientListener* user = nullptr;
 };
 
 struct Stamps final : can::BusObserver {

@@ -28,7 +28,7 @@ class Transport final : public BusClient {
     sent.push_back(frame);
     return true;
   }
-  void set_user(BusClientUser* new_user) override { user = new_user; }
+  void set_user(BusClientListener* new_user) override { user = new_user; }
   bool close(std::chrono::milliseconds) override { return true; }
   [[nodiscard]] ControllerStatus status() const override { return controller; }
   std::expected<void, std::string> restart(std::uint32_t bit_rate) override {
@@ -42,7 +42,7 @@ class Transport final : public BusClient {
     user->controller_changed(status);
   }
 
-  BusClientUser* user = nullptr;
+  BusClientListener* user = nullptr;
   std::vector<Frame> sent;
   std::vector<std::uint32_t> restarts;
   ControllerStatus controller;

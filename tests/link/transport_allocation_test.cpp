@@ -24,7 +24,7 @@ namespace {
 using namespace std::chrono_literals;
 using namespace std::string_view_literals;
 
-struct Counter final : BusClientUser {
+struct Counter final : BusClientListener {
   void frame_received(const can::Frame&) override { ++received; }
   void frame_sent(const can::Frame&) override { ++sent; }
   void bus_lost(const std::string& reason) override { lost = reason; }

@@ -30,7 +30,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using namespace std::chrono_literals;
 
-struct Ear : BusClientUser {
+struct Ear : BusClientListener {
   void frame_received(const can::Frame& frame) override { frames.push_back(frame); }
   void frame_sent(const can::Frame& frame) override { sent.push_back(frame); }
   void controller_changed(const ControllerStatus& status) override { statuses.push_back(status); }

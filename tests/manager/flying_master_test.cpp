@@ -185,7 +185,7 @@ TEST_F(Flying, Active_HearsABetterOne_StandsBy) {
 }
 
 TEST_F(Flying, WaitingTime_IsLevelTimesPrioritySlotPlusNodeIdTimesDeviceSlot) {
-  class Nobody : public can::Sink, public FlyingMasterUser {
+  class Nobody : public can::Sink, public FlyingMasterListener {
    public:
     bool send(const can::Frame&) override { return true; }
     void mastership_won(can::Time) override {}

@@ -21,7 +21,7 @@ using ::testing::IsEmpty;
 
 constexpr lss::LssAddress address{0x00000071, 0x0000ED63, 0x00010000, 0x12345678};
 
-class LssMasterTest : public ::testing::Test, public can::Sink, public lss::LssMasterUser {
+class LssMasterTest : public ::testing::Test, public can::Sink, public lss::LssMasterListener {
  public:
   virtual ~LssMasterTest() = default;
   bool send(const can::Frame& frame) override {
@@ -191,7 +191,7 @@ TEST_F(LssMasterTest, AnswersToNothing_AreIgnored) {
 // --- both
 
 TEST(Lss, Fastscan_Finds32UnconfiguredDevices_AndGivesEachANodeId) {
-  struct Device : lss::LssSlaveUser {
+  struct Device : lss::LssSlaveListener {
     Device(can::Sink& sink, const lss::LssAddress& own) : address(own), slave(sink, *this, own) {
       slave.start(lss::unconfigured, 250'000);
     }
@@ -205,7 +205,7 @@ TEST(Lss, Fastscan_Finds32UnconfiguredDevices_AndGivesEachANodeId) {
     std::uint8_t node_id = 0;
     std::uint8_t stored = 0;
   };
-  struct Bus : can::Sink, lss::LssMasterUser {
+  struct Bus : can::Sink, lss::LssMasterListener {
     struct Answers : can::Sink {
       explicit Answers(Bus& bus) : owner(bus) {}
       bool send(const can::Frame& frame) override {

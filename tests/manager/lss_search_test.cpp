@@ -13,7 +13,7 @@ using ::testing::ElementsAre;
 
 constexpr lss::LssAddress address{0x71, 0xED63, 0x10000, 7};
 
-class Search : public ::testing::Test, public can::Sink, public lss::LssSearchUser {
+class Search : public ::testing::Test, public can::Sink, public lss::LssSearchListener {
  public:
   virtual ~Search() = default;
   bool send(const can::Frame& frame) override {

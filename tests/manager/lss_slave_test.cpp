@@ -21,7 +21,7 @@ using ::testing::IsEmpty;
 
 constexpr lss::LssAddress address{0x00000071, 0x0000ED63, 0x00010000, 0x12345678};
 
-class LssSlaveTest : public ::testing::Test, public can::Sink, public lss::LssSlaveUser {
+class LssSlaveTest : public ::testing::Test, public can::Sink, public lss::LssSlaveListener {
  public:
   LssSlaveTest() { slave.start(lss::unconfigured, 250'000); }
   virtual ~LssSlaveTest() = default;

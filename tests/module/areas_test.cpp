@@ -188,7 +188,7 @@ TEST(EmergencyBuffer, WithoutALayout_KeepsNothing) {
   EXPECT_TRUE(buffer.empty());
 }
 
-TEST(NetworkVariables, Places) {
+TEST(NetworkVariables, ValueMask) {
   const auto place = [](std::uint16_t index, std::uint8_t sub) { return variable_place(index, sub, 2048); };
   EXPECT_EQ(place(0xA4C0, 1)->offset, 0);
   EXPECT_EQ(place(0xA4C8, 0x10)->offset, 2047);

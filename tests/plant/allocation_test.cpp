@@ -36,7 +36,7 @@ std::string plant_text() {
 }
 
 /// A tool on the bus that reads an object of node 2 again and again.
-class Reader final : public can::Participant, canopen::SdoClientUser {
+class Reader final : public can::Participant, canopen::SdoClientListener {
  public:
   Reader(can::Bus& bus, can::Timeline& timeline) : port_(bus.add_port("tool")), client_(port_) {
     client_.set_server(2);

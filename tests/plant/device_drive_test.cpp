@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "canopus/plant/device_seat.hpp"
+#include "canopus/plant/device_on_bus.hpp"
 
 #include "paths.hpp"
 #include "support/plant_folder.hpp"

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canopus/cli/events/event_printer.hpp"
-#include "canopus/plant/device_seat.hpp"
+#include "canopus/plant/device_on_bus.hpp"
 #include "canopus/plant/file/process_value.hpp"
 #include "canopus/serve/device_control.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "canopus/plant/lift_seat.hpp"
+#include "canopus/plant/lift_on_bus.hpp"
 
 #include "plant/lift_control.hpp"
 #include "support/plant_folder.hpp"

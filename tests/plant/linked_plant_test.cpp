@@ -111,9 +111,9 @@ class Nowhere final : public link::BusClient {
     sent.push_back(frame);
     return true;
   }
-  void set_user(link::BusClientUser* new_user) override { user = new_user; }
+  void set_user(link::BusClientListener* new_user) override { user = new_user; }
   bool close(std::chrono::milliseconds) override { return true; }
-  link::BusClientUser* user = nullptr;
+  link::BusClientListener* user = nullptr;
   std::vector<can::Frame> sent;
 };
 

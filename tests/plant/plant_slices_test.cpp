@@ -19,7 +19,7 @@
 #include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/run/run_recording.hpp"
 #include "canopus/plant/plant.hpp"
-#include "canopus/plant/plant_division.hpp"
+#include "canopus/plant/plant_partitioning.hpp"
 
 #include "paths.hpp"
 #include "support/plant_folder.hpp"
@@ -161,7 +161,7 @@ class PlantSlices : public support::PlantFolder {
 TEST_F(PlantSlices, Buses_AreOnePartIfARackOrABridgeJoinsThem) {
   const PlantReading reading = read_plant(plant_text(), "plant.toml");
   for (const text::FileError& error : reading.errors) ADD_FAILURE() << describe(error, "plant.toml");
-  const PlantDivision division = PlantDivision::of(reading.plant);
+  const PlantPartitioning division = PlantPartitioning::of(reading.plant);
   EXPECT_EQ(division.count, 5U);
   EXPECT_THAT(division.buses, ElementsAre(0, 1, 2, 2, 3, 3, 4));
   EXPECT_THAT(division.racks, ElementsAre(0, 1, 1, 2));

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "canopus/module/me3can1_q/me3can1_q.hpp"
-#include "canopus/plant/run_memory.hpp"
+#include "canopus/plant/volatile_memory.hpp"
 
 #include "sim/bus_station.hpp"
 #include "support/device_bus.hpp"
@@ -100,7 +100,7 @@ struct ModuleOnBus {
   sim::Bus bus{"line1", 250'000, timeline};
   sim::Station other{bus, timeline, "other"};  // acknowledges
   can::Port& port = bus.add_port("module");
-  RunMemory memory;
+  VolatileMemory memory;
   module::me3can1_q::Me3can1Q module{port, memory};
 };
 

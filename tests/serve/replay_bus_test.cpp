@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-class ReplayBusTest : public testing::Test, public link::BusClientUser {
+class ReplayBusTest : public testing::Test, public link::BusClientListener {
  protected:
   ~ReplayBusTest() override { std::filesystem::remove(path); }
   void open(const std::string& trace, const std::string& channel = {}) {

@@ -302,7 +302,7 @@ RC_GTEST_PROP(BehaviourSample, IsTheFittedValueAndItsNextChange, ()) {
   canopen::Limits limits;
   if (type == DataType::unsigned8 && *rc::gen::arbitrary<bool>()) limits = {.low = 4, .high = 90};
   const sim::Bounds bounds = sim::bounds(type, limits);
-  sim::SamplePlace place;
+  sim::SampleCursor place;
   Time now = at(can::Duration(*rc::gen::inRange<std::int64_t>(0, 10'000'000'000)));
   for (const int tenths : *rc::gen::container<std::vector<int>>(rc::gen::inRange(0, 40))) {
     const sim::Sample sample = sim::sample_at(behaviour, bounds, now, place);

@@ -61,7 +61,7 @@ struct Store final : canopen::ParameterStore {
 inline constexpr LssAddress address{0x00000071, 0x0000ED63, 0x00010000, 0x12345678};
 
 /// Devices on a bus, and an LSS master that is a station of it and writes down what is on the wire.
-class LssOnBus : public testing::Test, public lss::LssMasterUser {
+class LssOnBus : public testing::Test, public lss::LssMasterListener {
  protected:
   struct Seat {
     Seat(Bus& bus, can::Timeline& timeline, const LssAddress& own, std::uint8_t node_id, std::uint32_t rate,

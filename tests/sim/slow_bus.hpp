@@ -266,7 +266,7 @@ class Bus {
       } else if (sent == '1' && level == '0') {
         if (position >= node.arbitration) return fail(node, "bit", slot);
         if (now.stuff_error) return fail(node, "stuff", slot, false);  // rule c, exception 2
-        give_back(node);
+        requeue(node);
         node.transmitter = false;  // arbitration lost
       }
     }
@@ -299,12 +299,12 @@ class Bus {
     enter(node, level == '0' ? Phase::overload_flag : Phase::intermission);
   }
 
-  static void give_back(Node& node) { queue(node, *node.current); }
+  static void requeue(Node& node) { queue(node, *node.current); }
 
   void fail(Node& node, const std::string& error, std::size_t slot, bool counts = true) {
     errors.push_back(node.name + " " + error + " " + std::to_string(slot));
     const bool sent = node.sends();
-    if (sent) give_back(node);
+    if (sent) requeue(node);
     const bool passive = node.passive();  // before it counts
     node.may_count = false;
     if (counts && !node.transmitter) {

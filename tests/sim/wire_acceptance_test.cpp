@@ -51,10 +51,10 @@ RC_GTEST_PROP(WireAcceptance, IsThatOfEachPort, ()) {
         RC_ASSERT(is_in_table == is_accepted(port));
         if (is_in_table) hearers.push_back(port);
       }
-      const AcceptanceTable::Few few = table.few_for(frame);
+      const AcceptanceTable::Receivers few = table.cached_receivers(frame);
       RC_ASSERT(few.are_known == (hearers.size() <= 2 && !frame.extended));
       if (!few.are_known) continue;
-      hearers.resize(2, AcceptanceTable::nobody);
+      hearers.resize(2, AcceptanceTable::no_port);
       RC_ASSERT(few.first == hearers[0]);
       RC_ASSERT(few.second == hearers[1]);
     }

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint32_t ports = 70;  // more than a word of them
 
-/// Few identifiers, so that many are the same; base and extended ones, data and remote frames.
+/// Receivers identifiers, so that many are the same; base and extended ones, data and remote frames.
 std::uint32_t some_arbitration(unsigned choice) {
   const can::Frame frame{
       .identifier = choice % 7 * 300 + choice % 3, .extended = choice % 5 == 0, .remote = choice % 4 == 0};

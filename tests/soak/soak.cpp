@@ -115,7 +115,7 @@ struct Slave final : can::Participant {
 /// memory.
 class Master final : public manager::MasterNode,
                      public manager::MasterListener,
-                     public canopen::SdoClientUser {
+                     public canopen::SdoClientListener {
  public:
   Master(sim::Port& port, std::vector<std::unique_ptr<Slave>>& slaves, std::uint64_t seed)
       : MasterNode(master_description(), master_id, port), slaves_(slaves), random_(seed) {

@@ -76,12 +76,12 @@ struct Entry {
 
 /// Roughly which part of the value block: a bit for each four bytes, from the first one on again after 64. What has no bit in
 /// common with something else has no byte in common with it.
-using Places = std::uint16_t;
-inline constexpr Places all_places = 0xFFFF;
+using ValueMask = std::uint16_t;
+inline constexpr ValueMask all_values = 0xFFFF;
 /// Of a value of up to 8 bytes.
-[[nodiscard]] constexpr Places places_of(std::uint32_t offset, std::uint8_t length) noexcept {
+[[nodiscard]] constexpr ValueMask value_mask_of(std::uint32_t offset, std::uint8_t length) noexcept {
   const std::uint32_t count = (offset % 4 + length + 3) / 4;
-  return std::rotl(static_cast<Places>((1U << count) - 1), static_cast<int>(offset / 4 % 16));
+  return std::rotl(static_cast<ValueMask>((1U << count) - 1), static_cast<int>(offset / 4 % 16));
 }
 
 /// What DictionaryBuilder needs to know of one sub-index.

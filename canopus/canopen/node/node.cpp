@@ -256,7 +256,7 @@ void Node::forget_error(std::uint16_t code, std::span<const std::uint8_t, 5> man
 void Node::pause_heartbeat(bool paused, can::Time now) { services_->heartbeat_producer.pause(paused, now); }
 bool Node::emergency_reset(can::Time now) { return services_->emcy_producer.reset(now); }
 
-unsigned Node::values_changed(Places places, can::Time now) {
+unsigned Node::values_changed(ValueMask places, can::Time now) {
   return services_->tpdos.values_changed(places, now);
 }
 bool Node::tpdo_event(std::uint16_t number, can::Time now) { return services_->tpdos.event(number, now); }

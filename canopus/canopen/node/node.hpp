@@ -80,9 +80,9 @@ class Node final : public can::Participant {
 
   /// The application changed process values: every event-driven TPDO (and acyclic synchronous one) whose
   /// content differs from what it last sent has its event. Returns how many had.
-  unsigned values_changed(can::Time now) { return values_changed(all_places, now); }
+  unsigned values_changed(can::Time now) { return values_changed(all_values, now); }
   /// The same where nobody but the node itself, below 2000H, has changed values of other places since the last call. Some places.
-  unsigned values_changed(Places places, can::Time now);
+  unsigned values_changed(ValueMask places, can::Time now);
   /// The application event of one TPDO, changed or not. False when it is not valid, or was dismissed.
   bool tpdo_event(std::uint16_t number, can::Time now);
   /// Sends `value` (up to 4 bytes) to an object of node `node_id` (0 = all nodes) through the MPDO in TPDO

@@ -61,8 +61,9 @@ void CopyPlan::compile(const ObjectDictionary& dictionary, std::uint16_t index) 
     const bool exists = entry && entry.description->length != 0 && entry.description->length <= 8 &&
                         mapping.bits != 0 && !is_dummy(dictionary, mapping);
     if (exists) {
-      places_ |= mapping.index < first_of_application ? all_places
-                                                      : places_of(entry.offset, entry.description->length);
+      places_ |= mapping.index < first_of_application
+                     ? all_values
+                     : value_mask_of(entry.offset, entry.description->length);
       Step step{entry.offset, static_cast<std::uint8_t>(position), mapping.bits, entry.description->length};
       const bool aligned = position % 8 == 0 && mapping.bits == step.bytes * 8;
       const bool continues = aligned && !steps.empty() && steps.back().bits == steps.back().bytes * 8 &&
@@ -79,7 +80,7 @@ void CopyPlan::compile(const ObjectDictionary& dictionary, std::uint16_t index) 
   }
   length_ = static_cast<std::uint8_t>((position + 7) / 8);
   if (steps.empty()) {
-    places_ = all_places;
+    places_ = all_values;
     return;
   }
   first_ = steps.front();

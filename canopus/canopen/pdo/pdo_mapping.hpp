@@ -49,8 +49,8 @@ class CopyPlan {
   /// True when some of the bytes offset..offset+length of the block are mapped.
   [[nodiscard]] bool holds(std::uint32_t offset, std::uint8_t length) const noexcept;
 
-  /// Where the mapped values lie; all_places with one that nodes write by themselves, below 2000H, or without any.
-  [[nodiscard]] Places places() const noexcept { return places_; }
+  /// Where the mapped values lie; all_values with one that nodes write by themselves, below 2000H, or without any.
+  [[nodiscard]] ValueMask places() const noexcept { return places_; }
   /// The bytes of the block that are mapped lie within these: offset of the first, and behind the last. Nothing
   /// mapped: 0, 0.
   [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> extent() const noexcept;
@@ -95,7 +95,7 @@ class CopyPlan {
   std::unique_ptr<Step[]> rest_;
   std::uint8_t rest_count_ = 0;
   std::uint8_t length_ = 0;
-  Places places_ = 0;
+  ValueMask places_ = 0;
   bool is_single_ = false;
 };
 

@@ -39,7 +39,7 @@ class Rpdos final : public ObjectHandler {
   void receive(std::uint16_t position, const can::Frame& frame, can::Time window_end, can::Time now) {
     if (!node_.is_operational()) return;
     Rpdo& pdo = rpdos_[position];
-    if (frame.dlc != pdo.plan.length() || pdo.way == Way::with_care) {
+    if (frame.dlc != pdo.plan.length() || pdo.way == Way::checked) {
       return receive_other(pdo, frame, window_end, now);
     }
     if (pdo.way == Way::wait) return wait_for_sync(pdo, frame, window_end, now);
@@ -58,7 +58,7 @@ class Rpdos final : public ObjectHandler {
  private:
   /// What a frame of the mapped length costs.
   enum class Way : std::uint8_t {
-    with_care,
+    checked,
     copy,  // one copy, at once: nothing waits, is watched or was wrong
     wait,  // the same, but it waits for SYNC
   };
@@ -72,7 +72,7 @@ class Rpdos final : public ObjectHandler {
     std::uint8_t addressing = 0;   // of an MPDO, else 0
     std::uint8_t error_count = 0;  // EMCYs that wait for their end: length, deadline
     bool watched = false;          // has an event timer, or is an MPDO
-    Way way = Way::with_care;
+    Way way = Way::checked;
     bool is_waiting = false;
     bool length_error = false;
     bool timed_out = false;
@@ -86,7 +86,7 @@ class Rpdos final : public ObjectHandler {
   static void classify(Rpdo& pdo) noexcept {
     const bool is_usual = !pdo.watched && pdo.error_count == 0;
     const bool waits = pdo.transmission_type <= 240;
-    pdo.way = is_usual && waits ? Way::wait : is_usual && pdo.plan.is_single() ? Way::copy : Way::with_care;
+    pdo.way = is_usual && waits ? Way::wait : is_usual && pdo.plan.is_single() ? Way::copy : Way::checked;
   }
   void wait_for_sync(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now) {
     if (now > window_end) return;

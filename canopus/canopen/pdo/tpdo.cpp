@@ -125,9 +125,9 @@ bool Tpdos::event(std::uint16_t number, can::Time now) {
 
 // What is sent may bring an answer that changes the lists, on a bus that is a function call: they are looked at anew
 // each time.
-unsigned Tpdos::values_changed(Places places, can::Time now) {
+unsigned Tpdos::values_changed(ValueMask places, can::Time now) {
   if (!node_.is_operational()) return 0;
-  if (!std::exchange(all_told_, true)) places = all_places;
+  if (!std::exchange(all_told_, true)) places = all_values;
   unsigned events = 0;
   for (std::size_t i = synchronous_; i < valid_count_; ++i) {
     if ((valid_[i].places & places) == 0) continue;

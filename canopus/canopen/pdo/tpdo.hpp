@@ -45,7 +45,7 @@ class alignas(64) Tpdos final : public ObjectHandler {
 
   /// Every event-driven or acyclic TPDO whose values differ from what it last sent has its event. How many had. `places`,
   /// not 0: no others were changed since the last call, but by the node itself below 2000H.
-  unsigned values_changed(Places places, can::Time now);
+  unsigned values_changed(ValueMask places, can::Time now);
   /// The event of TPDO `number`. False: it does not exist, is not valid or event-driven, or was dismissed.
   bool event(std::uint16_t number, can::Time now);
   /// False: object_written() would do nothing for this entry.
@@ -105,7 +105,7 @@ class alignas(64) Tpdos final : public ObjectHandler {
   static_assert(sizeof(Tpdo) == 64);
   struct Valid {
     std::uint16_t position = 0;
-    Places places = 0;  // of what it maps
+    ValueMask places = 0;  // of what it maps
   };
   void read(Tpdo& pdo);
   [[nodiscard]] CobId cob_id_of(std::uint16_t number) const noexcept;

@@ -26,7 +26,7 @@ void SdoClient::set_channel(std::uint32_t request, std::uint32_t response) {
 
 // Everything is set before a frame goes out: on a bus that is a function call, the answer comes from inside
 // send().
-inline bool SdoClient::start(State state, const can::Frame& request, SdoClientUser& user, can::Time now,
+inline bool SdoClient::start(State state, const can::Frame& request, SdoClientListener& user, can::Time now,
                              can::Duration time_out) {
   state_ = state;
   toggle_ = 0;
@@ -44,7 +44,7 @@ inline bool SdoClient::start(State state, const can::Frame& request, SdoClientUs
   return false;
 }
 
-bool SdoClient::upload(std::uint16_t index, std::uint8_t sub, SdoClientUser& user, can::Time now,
+bool SdoClient::upload(std::uint16_t index, std::uint8_t sub, SdoClientListener& user, can::Time now,
                        can::Duration time_out, Mode mode, ByteSink* into) {
   if (busy()) return false;
   into_ = into;
@@ -60,7 +60,7 @@ bool SdoClient::upload(std::uint16_t index, std::uint8_t sub, SdoClientUser& use
 }
 
 bool SdoClient::start_download(State state, std::uint16_t index, std::uint8_t sub,
-                               std::optional<std::uint32_t> size, SdoClientUser& user, can::Time now,
+                               std::optional<std::uint32_t> size, SdoClientListener& user, can::Time now,
                                can::Duration time_out) {
   expedited_ = false;
   const bool in_blocks = state == State::initiate_block_download;
@@ -72,7 +72,7 @@ bool SdoClient::start_download(State state, std::uint16_t index, std::uint8_t su
 }
 
 bool SdoClient::download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data,
-                         SdoClientUser& user, can::Time now, can::Duration time_out, Mode mode) {
+                         SdoClientListener& user, can::Time now, can::Duration time_out, Mode mode) {
   if (busy()) return false;
   if (data.empty() || data.size() > 4)
     return start_long_download(index, sub, data, user, now, time_out, mode);
@@ -90,15 +90,16 @@ bool SdoClient::download(std::uint16_t index, std::uint8_t sub, std::span<const 
 }
 
 [[gnu::noinline]] bool SdoClient::start_long_download(std::uint16_t index, std::uint8_t sub,
-                                                      std::span<const std::uint8_t> data, SdoClientUser& user,
-                                                      can::Time now, can::Duration time_out, Mode mode) {
+                                                      std::span<const std::uint8_t> data,
+                                                      SdoClientListener& user, can::Time now,
+                                                      can::Duration time_out, Mode mode) {
   source_.begin(data);
   return start_download(mode == Mode::block ? State::initiate_block_download : State::initiate_download,
                         index, sub, static_cast<std::uint32_t>(data.size()), user, now, time_out);
 }
 
 bool SdoClient::download(std::uint16_t index, std::uint8_t sub, ByteSource& source,
-                         std::optional<std::uint32_t> size, SdoClientUser& user, can::Time now,
+                         std::optional<std::uint32_t> size, SdoClientListener& user, can::Time now,
                          can::Duration time_out, Mode mode) {
   if (busy()) return false;
   source_.begin(source);

@@ -27,12 +27,12 @@ namespace canopus::canopen {
 class SdoClient;
 
 /// Notified when a transfer ended, well or not; may start the next one on the same client from inside the call.
-class SdoClientUser {
+class SdoClientListener {
  public:
   virtual void sdo_finished(SdoClient& client, can::Time now) = 0;
 
  protected:
-  ~SdoClientUser() = default;
+  ~SdoClientListener() = default;
 };
 
 class SdoClient {
@@ -56,17 +56,17 @@ class SdoClient {
 
   /// Starts reading. False when busy() or the frame could not be queued. With `into`, the bytes go there as
   /// they come, and data() stays empty.
-  bool upload(std::uint16_t index, std::uint8_t sub, SdoClientUser& user, can::Time now,
+  bool upload(std::uint16_t index, std::uint8_t sub, SdoClientListener& user, can::Time now,
               can::Duration time_out = default_time_out, Mode mode = Mode::segmented,
               ByteSink* into = nullptr);
   /// Starts writing; `data` must stay valid until the end. Up to 4 bytes go expedited, more segmented or in
   /// blocks. False as above.
   bool download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data,
-                SdoClientUser& user, can::Time now, can::Duration time_out = default_time_out,
+                SdoClientListener& user, can::Time now, can::Duration time_out = default_time_out,
                 Mode mode = Mode::segmented);
   /// Starts writing what `source` gives, whose size is indicated to the server if it is known.
   bool download(std::uint16_t index, std::uint8_t sub, ByteSource& source, std::optional<std::uint32_t> size,
-                SdoClientUser& user, can::Time now, can::Duration time_out = default_time_out,
+                SdoClientListener& user, can::Time now, can::Duration time_out = default_time_out,
                 Mode mode = Mode::segmented);
   /// Gives the running transfer up with an abort frame; its user is not called.
   void cancel(AbortCode code);
@@ -124,12 +124,12 @@ class SdoClient {
   };
 
   void take(const can::Frame& frame, can::Time now);
-  bool start(State state, const can::Frame& request, SdoClientUser& user, can::Time now,
+  bool start(State state, const can::Frame& request, SdoClientListener& user, can::Time now,
              can::Duration time_out);
   bool start_download(State state, std::uint16_t index, std::uint8_t sub, std::optional<std::uint32_t> size,
-                      SdoClientUser& user, can::Time now, can::Duration time_out);
+                      SdoClientListener& user, can::Time now, can::Duration time_out);
   bool start_long_download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data,
-                           SdoClientUser& user, can::Time now, can::Duration time_out, Mode mode);
+                           SdoClientListener& user, can::Time now, can::Duration time_out, Mode mode);
   void unexpected(const can::Frame& frame, can::Time now);
   void aborted(const can::Frame& frame, can::Time now);
   void finish(AbortCode code, can::Time now);
@@ -165,7 +165,7 @@ class SdoClient {
   static constexpr std::uint8_t own_block_size = 127;
 
   can::Sink* sink_;
-  SdoClientUser* user_ = nullptr;
+  SdoClientListener* user_ = nullptr;
   FrameHead request_;
   std::uint64_t response_ = 0;     // head_without_dlc() of the answers
   std::uint32_t multiplexer_ = 0;  // index and sub-index of the transfer, as in its frames

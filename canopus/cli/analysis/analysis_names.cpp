@@ -36,8 +36,8 @@ std::string name_of(const eds::DeviceFile& file) {
 
 bool add_plant(const std::string& path, trace::Names& names, Output& err) {
   class Nobody final : public plant::PlantObserver {
-  } nobody;
-  const auto plant = load_plant(path, nobody, err);
+  } no_observer;
+  const auto plant = load_plant(path, no_observer, err);
   if (!plant) return false;
   for (plant::InitialPlantNode& node : plant::initial_nodes(*plant)) {
     names.add(trace::describe_node(std::move(node.bus), node.node_id, std::move(node.name),

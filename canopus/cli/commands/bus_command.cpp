@@ -35,7 +35,7 @@ int with_bus(const BusOptions& options, const std::function<int(BusLoop&, can::D
   // To join takes a server a moment, however short the answers of the nodes may be.
   auto bus = BusLoop::open(*address, std::max<can::Duration>(*time_out, std::chrono::seconds(3)));
   if (!bus) return complain(exit_code::failed, bus.error());
-  if (time == BusTime::of_this_process) (*bus)->be_patient();
+  if (time == BusTime::of_this_process) (*bus)->extend_timeouts();
   (*bus)->set_complaint([](std::string_view text) { print_error("canopus: the bus: {}", text); });
   return action(**bus, *time_out);
 }

@@ -33,9 +33,9 @@ void print_lift(const plant::LiftSection& lift, Output& out) {
 
 int check_plant(const CheckOptions& options, Output& out, Output& err) {
   class Nobody final : public plant::PlantObserver {
-  } nobody;
+  } no_observer;
   const std::string& path = options.plant;
-  const auto plant = load_plant(path, nobody, err);
+  const auto plant = load_plant(path, no_observer, err);
   if (!plant) return 2;
   for (const text::FileWarning& warning : plant->warnings()) err.line("{}", describe(warning, path));
   for (const std::string& line : plant->connections()) out.line("{}", line);

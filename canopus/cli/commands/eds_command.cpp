@@ -12,8 +12,8 @@
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/terminal/device_names.hpp"
 #include "canopus/cli/terminal/domain_words.hpp"
-#include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
+#include "canopus/cli/terminal/sigpipe.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/eds/files/losses.hpp"
 #include "canopus/eds/files/xdd_writer.hpp"
@@ -215,7 +215,7 @@ void add_convert(Command& eds, int& exit_code) {
       "Example: canopus eds convert pump.eds pump.xdd");
   convert->callback([options, &exit_code] {
     const auto convert_file = [&] { return eds_convert(*options, standard_output(), standard_error()); };
-    exit_code = options->to == "-" ? convert_file() : keep_working(convert_file);
+    exit_code = options->to == "-" ? convert_file() : run_ignoring_sigpipe(convert_file);
   });
 }
 

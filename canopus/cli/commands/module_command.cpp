@@ -131,8 +131,8 @@ Json as_json(const DataSheet& sheet, std::optional<std::uint32_t> writes) {
 
 int product_lists(const std::string& path, bool json, Output& out, Output& err) {
   class Nobody final : public plant::PlantObserver {
-  } nobody;
-  const std::unique_ptr<plant::Plant> plant = load_plant(path, nobody, err);
+  } no_observer;
+  const std::unique_ptr<plant::Plant> plant = load_plant(path, no_observer, err);
   if (!plant) return 2;
   if (!json)
     out.line("plc       slot  type      series  model        points  I/O No.  serial No         ver.");

@@ -11,7 +11,7 @@
 #include "canopus/can/controller.hpp"
 #include "canopus/module/interface/program_interface.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
-#include "canopus/plant/run_memory.hpp"
+#include "canopus/plant/volatile_memory.hpp"
 
 namespace canopus::cli {
 
@@ -46,7 +46,7 @@ struct Column {
 
   const plant::CatalogueEntry& entry;
   NoController controller;
-  plant::RunMemory memory;
+  plant::VolatileMemory memory;
   std::unique_ptr<module::CommunicationModule> module;
   std::shared_ptr<const canopen::DictionaryDescription> slave;
 };

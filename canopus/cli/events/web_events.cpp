@@ -91,9 +91,9 @@ Fields module_fields(const plant::ModuleStatus& module) {
 }
 
 /// Times in seconds.
-void add_figures(Fields& fields, const WebFigures* figures, std::uint8_t node_id, can::Time now) {
+void add_figures(Fields& fields, const BusStatisticsView* figures, std::uint8_t node_id, can::Time now) {
   if (figures == nullptr || node_id == 0) return;
-  const WebFigures::Node& node = figures->node(node_id);
+  const BusStatisticsView::Node& node = figures->node(node_id);
   if (node.heartbeat) {
     fields["heartbeat"] = {{"age", can::seconds(can::Time{now - *node.heartbeat})},
                            {"period", can::seconds(can::Time{node.period})}};
@@ -102,11 +102,11 @@ void add_figures(Fields& fields, const WebFigures* figures, std::uint8_t node_id
 }
 
 /// The NMT state of a node outside of the plant, as far as its bus says it: that it was booted is another thing.
-void add_nmt_state(Fields& fields, const WebFigures* figures, std::uint8_t node_id, can::Time now) {
+void add_nmt_state(Fields& fields, const BusStatisticsView* figures, std::uint8_t node_id, can::Time now) {
   fields["state"] = "not known";
   fields["in_operation"] = false;
   if (figures == nullptr) return;
-  const WebFigures::Node& node = figures->node(node_id);
+  const BusStatisticsView::Node& node = figures->node(node_id);
   const bool is_silent =
       node.heartbeat && node.period > can::Duration{} && 2 * (now - *node.heartbeat) > 3 * node.period;
   if (!node.state || is_silent) return;
@@ -170,7 +170,7 @@ std::string state_event(plant::Plant& plant, const WebTraffic* traffic, const We
     Fields slave = label_fields(boot.slave);
     slave["master"] = boot.master.node_id;
     add_boot(slave, boot.record, now);
-    const WebFigures* const figures = traffic == nullptr ? nullptr : traffic->figures(boot.slave.bus);
+    const BusStatisticsView* const figures = traffic == nullptr ? nullptr : traffic->figures(boot.slave.bus);
     add_figures(slave, figures, boot.slave.node_id, now);
     add_nmt_state(slave, figures, boot.slave.node_id, now);
     if (boots != nullptr && has_compared_identity(*boots, boot)) slave["identity"] = "as expected";

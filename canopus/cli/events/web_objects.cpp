@@ -16,7 +16,7 @@
 #include "canopus/manager/boot/start_up_bits.hpp"
 #include "canopus/manager/nmt/negotiation_words.hpp"
 #include "canopus/module/interface/communication_module.hpp"
-#include "canopus/plant/device_seat.hpp"
+#include "canopus/plant/device_on_bus.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/trace/decode/object_meaning.hpp"
 

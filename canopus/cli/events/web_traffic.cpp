@@ -113,7 +113,7 @@ WebTraffic::Seen* WebTraffic::seen_of(Bus& bus, std::uint32_t identifier, bool e
   return place == bus.extended.end() ? nullptr : &*place;
 }
 
-WebWire* WebTraffic::wire_of(std::size_t bus) {
+ArbitrationProbe* WebTraffic::wire_of(std::size_t bus) {
   sim::Bus* const simulated = plant_.simulated_bus(bus);
   return simulated == nullptr ? nullptr : &wires_.try_emplace(bus, *simulated).first->second;
 }
@@ -127,9 +127,9 @@ void WebTraffic::add_frame(Json& event, std::size_t bus, const Seen& seen) {
                     {"remote", seen.frame.remote},
                     {"data", data}};
   add_bits(event["frame"], seen.frame);
-  WebWire* const wire = wire_of(bus);
+  ArbitrationProbe* const wire = wire_of(bus);
   if (wire == nullptr) return;
-  const WebWire::Arbitration& arbitration = wire->look(seen.frame.identifier, seen.frame.extended);
+  const ArbitrationProbe::Arbitration& arbitration = wire->look(seen.frame.identifier, seen.frame.extended);
   if (arbitration.start != seen.start) return;  // nobody looked
   const sim::BitStream stream(seen.frame);
   const auto ports = plant_.bus(bus).ports();
@@ -147,7 +147,7 @@ void WebTraffic::add_frame(Json& event, std::size_t bus, const Seen& seen) {
 /// The newest first; of that one the bits, as long as they are known: of the frame, of the flags, of the delimiter.
 void WebTraffic::add_error_frames(Json& event, std::size_t bus) {
   const Bus& seen = taps_[bus]->bus;
-  WebWire* const wire = wire_of(bus);
+  ArbitrationProbe* const wire = wire_of(bus);
   const can::Time now = plant_.timeline().now();
   event["error_frames"] = Json::array();
   for (std::size_t i = 1; i <= std::min(seen.next_error_frame, most_error_frames); ++i) {
@@ -202,7 +202,7 @@ void WebTraffic::Tap::errors_reported(std::span<const can::BusErrorReport> repor
   }
 }
 
-const WebFigures* WebTraffic::figures(std::string_view bus) const noexcept {
+const BusStatisticsView* WebTraffic::figures(std::string_view bus) const noexcept {
   for (std::size_t i = 0; i < taps_.size(); ++i) {
     if (plant_.bus(i).name() == bus) return &taps_[i]->bus.figures;
   }

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "canopus/can/bus.hpp"
-#include "canopus/cli/events/web_figures.hpp"
-#include "canopus/cli/events/web_wire.hpp"
+#include "canopus/cli/events/arbitration_probe.hpp"
+#include "canopus/cli/events/bus_statistics_view.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/text/json.hpp"
 
@@ -54,7 +54,7 @@ class WebTraffic {
     std::array<std::array<std::uint64_t, can::frame_fields>, 6> errors{};
     std::array<ErrorFrame, most_error_frames> error_frames{};
     std::size_t next_error_frame = 0;
-    WebFigures figures{};
+    BusStatisticsView figures{};
   };
 
   /// The plant must outlive this.
@@ -69,7 +69,7 @@ class WebTraffic {
   /// Nobody looks any more.
   void forget() { wires_.clear(); }
   /// Of the bus of this name; nullptr: there is none.
-  [[nodiscard]] const WebFigures* figures(std::string_view bus) const noexcept;
+  [[nodiscard]] const BusStatisticsView* figures(std::string_view bus) const noexcept;
 
  private:
   [[nodiscard]] static Seen* seen_of(Bus& bus, std::uint32_t identifier, bool extended) noexcept;
@@ -81,12 +81,12 @@ class WebTraffic {
   };
 
   plant::Plant& plant_;
-  [[nodiscard]] WebWire* wire_of(std::size_t bus);
+  [[nodiscard]] ArbitrationProbe* wire_of(std::size_t bus);
   void add_frame(text::Json& event, std::size_t bus, const Seen& seen);
   void add_error_frames(text::Json& event, std::size_t bus);
 
   std::vector<std::unique_ptr<Tap>> taps_;
-  std::map<std::size_t, WebWire> wires_;  // of simulated buses that somebody looks at
+  std::map<std::size_t, ArbitrationProbe> wires_;  // of simulated buses that somebody looks at
 };
 
 /// Adds `bits`: each bit of the frame as the bus had it: `level` (`d`, `r`), `field`, and `stuff` when it is a stuff bit.

@@ -7,13 +7,13 @@
 
 #include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/cli/events/event_printer.hpp"
-#include "canopus/cli/events/web_details.hpp"
+#include "canopus/cli/events/node_detail_view.hpp"
 #include "canopus/cli/events/web_objects.hpp"
 #include "canopus/cli/events/web_values.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
 #include "canopus/cli/terminal/boot_report.hpp"
 #include "canopus/module/areas/network_variables.hpp"
-#include "canopus/plant/device_seat.hpp"
+#include "canopus/plant/device_on_bus.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 
 namespace canopus::cli {
@@ -194,7 +194,7 @@ std::vector<WebViews::ProcessWord> WebViews::process_words(const Module& module)
 
 std::string WebViews::sender_of(std::string_view bus, std::uint32_t identifier) const {
   for (std::size_t i = 0; i < plant_.device_count(); ++i) {
-    plant::DeviceSeat& seat = plant_.device(i);
+    plant::DeviceOnBus& seat = plant_.device(i);
     const plant::NodeStatus status = seat.status();
     if (status.label.bus != bus) continue;
     const canopen::ObjectDictionary& objects = seat.device().node().dictionary();

@@ -36,8 +36,8 @@ class WebViews {
   ///   {"traffic": BUS, ...}   web_traffic.hpp
   ///   {"values": [...]}       web_values.hpp
   ///   {"meaning": "1017:00"}  web_objects.hpp
-  ///   {"errors": MODULE}      web_details.hpp
-  ///   {"domain": NODE, ...}   web_details.hpp
+  ///   {"errors": MODULE}      node_detail_view.hpp
+  ///   {"domain": NODE, ...}   node_detail_view.hpp
   /// as JSON; empty: it is none. An empty text: nobody looks any more.
   [[nodiscard]] std::string look(std::string_view view);
   [[nodiscard]] const WebTraffic& traffic() const noexcept { return traffic_; }

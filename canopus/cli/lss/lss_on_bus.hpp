@@ -11,7 +11,7 @@
 
 namespace canopus::cli {
 
-class LssOnBus final : public can::Participant, private lss::LssMasterUser, private can::Sink {
+class LssOnBus final : public can::Participant, private lss::LssMasterListener, private can::Sink {
  public:
   /// `time_out`: after which silence is the answer "nobody".
   LssOnBus(BusLoop& bus, can::Duration time_out)

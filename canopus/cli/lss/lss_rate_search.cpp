@@ -79,7 +79,7 @@ class OwnRate {
 };
 
 /// LssSearch on a bus of the command line.
-class SearchOnBus final : public can::Participant, private lss::LssSearchUser, private can::Sink {
+class SearchOnBus final : public can::Participant, private lss::LssSearchListener, private can::Sink {
  public:
   SearchOnBus(BusLoop& bus, OwnRate& rate)
       : bus_(bus),

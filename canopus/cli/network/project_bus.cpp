@@ -2,8 +2,8 @@
 
 #include "canopus/cli/network/bus_session.hpp"
 #include "canopus/cli/network/project_command.hpp"
-#include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/terminal/sigpipe.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -48,7 +48,7 @@ int compare_network(const ProjectArguments& arguments) {
 int write_network(const ProjectArguments& arguments) {
   const auto write = [&] { return for_each_node(arguments, &BusSession::write); };
   // Nobody's going leaves a device half written.
-  const int code = arguments.yes ? keep_working(write) : write();
+  const int code = arguments.yes ? run_ignoring_sigpipe(write) : write();
   if (code == project_code::different && !arguments.yes && !arguments.bus.json) {
     print_line("nothing is written yet: --yes writes");
   }

@@ -7,8 +7,8 @@
 
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
-#include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/terminal/sigpipe.hpp"
 #include "canopus/project/network/network_load.hpp"
 #include "canopus/text/json.hpp"
 
@@ -338,7 +338,7 @@ int change_network(const ProjectArguments& arguments, const std::string& title,
   auto project = folder->read(arguments.network);
   if (!project) return project_failed(project_code::file, project.error());
   if (!arguments.dry_run) {
-    return keep_working([&] {
+    return run_ignoring_sigpipe([&] {
       const int code = action(*folder, *project);
       const bool is_kept =
           code == project_code::done || code == project_code::no_answer || code == project_code::different;

@@ -10,9 +10,9 @@
 #include "canopus/cli/network/network_check.hpp"
 #include "canopus/cli/network/project_command.hpp"
 #include "canopus/cli/network/report_page.hpp"
-#include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/terminal/sigpipe.hpp"
 #include "canopus/client/sdo_value.hpp"
 #include "canopus/project/network/network_load.hpp"
 #include "canopus/project/network/pdo_link.hpp"
@@ -221,7 +221,7 @@ static int write_report(const ProjectArguments& arguments) {
 }
 
 int report_network(const ProjectArguments& arguments) {
-  return keep_working([&] { return write_report(arguments); });
+  return run_ignoring_sigpipe([&] { return write_report(arguments); });
 }
 
 }  // namespace canopus::cli

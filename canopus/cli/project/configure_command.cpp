@@ -5,8 +5,8 @@
 
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
-#include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/terminal/sigpipe.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 
 namespace canopus::cli {
@@ -39,8 +39,9 @@ struct Adder {
                                                                Action action) const {
     auto arguments = std::make_shared<ConfigureArguments>();
     Command* command = group.add_subcommand(name, help);
-    command->callback(
-        [arguments, action, code = &exit_code] { *code = keep_working([&] { return action(*arguments); }); });
+    command->callback([arguments, action, code = &exit_code] {
+      *code = run_ignoring_sigpipe([&] { return action(*arguments); });
+    });
     return {command, arguments};
   }
   auto with_file(const char* name, const char* help, Action action) const {

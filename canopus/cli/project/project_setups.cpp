@@ -11,8 +11,8 @@
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/project/configure_command.hpp"
 #include "canopus/cli/setups/transfer_setups.hpp"
-#include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/terminal/sigpipe.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/project/module_windows.hpp"
 #include "canopus/text/json.hpp"
@@ -236,8 +236,9 @@ void add_setup_commands(Command& configure, int& exit_code) {
   const auto add = [&](const char* name, const char* help, Setup action) {
     auto arguments = std::make_shared<SetupArguments>();
     Command* command = group->add_subcommand(name, help);
-    command->callback(
-        [arguments, action, code = &exit_code] { *code = keep_working([&] { return action(*arguments); }); });
+    command->callback([arguments, action, code = &exit_code] {
+      *code = run_ignoring_sigpipe([&] { return action(*arguments); });
+    });
     return std::pair(command, arguments);
   };
   const auto add_named = [&](const char* name, const char* help, Setup action) {

@@ -75,7 +75,7 @@ bool is_mark(LiftEvent::Kind kind) {
 
 }  // namespace
 
-LiftPicture::LiftPicture(plant::LiftSeat& seat)
+LiftPicture::LiftPicture(plant::LiftOnBus& seat)
     : seat_(&seat), samples_(seat.building().settings().lifts.size()) {
   for (std::size_t car = 0; car < samples_.size(); ++car) {
     samples_[car].push_back({{}, static_cast<float>(seat.building().car(car, {}).position), 0});

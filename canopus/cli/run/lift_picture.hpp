@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "canopus/plant/lift_seat.hpp"
+#include "canopus/plant/lift_on_bus.hpp"
 #include "canopus/plant/plant.hpp"
 
 namespace canopus::cli {
@@ -18,7 +18,7 @@ namespace canopus::cli {
 class LiftPicture final : public sim::lift::LiftObserver {
  public:
   /// The seat must outlive it, and hears of it from now on.
-  explicit LiftPicture(plant::LiftSeat& seat);
+  explicit LiftPicture(plant::LiftOnBus& seat);
 
   void lift_event(const sim::lift::LiftEvent& event) override;
   void car_moved(std::uint8_t lift, double position, double door, can::Time now) override;
@@ -50,7 +50,7 @@ class LiftPicture final : public sim::lift::LiftObserver {
   [[nodiscard]] double level(double position) const;  // pixels below the top of a strip
   [[nodiscard]] double strip_height() const;
 
-  plant::LiftSeat* seat_;
+  plant::LiftOnBus* seat_;
   std::vector<std::vector<Sample>> samples_;  // of each car
   std::vector<Call> calls_;
   std::vector<Mark> marks_;

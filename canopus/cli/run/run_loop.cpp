@@ -17,11 +17,11 @@
 
 #include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/events/web_events.hpp"
-#include "canopus/cli/run/end_patience.hpp"
+#include "canopus/cli/run/client_backpressure.hpp"
+#include "canopus/cli/run/drain_timeout.hpp"
 #include "canopus/cli/run/live_table.hpp"
 #include "canopus/cli/run/operational_check.hpp"
 #include "canopus/cli/run/plant_servers.hpp"
-#include "canopus/cli/run/reading_clients.hpp"
 #include "canopus/cli/run/run_output.hpp"
 #include "canopus/cli/run/run_recording.hpp"
 #include "canopus/cli/run/run_screen.hpp"
@@ -230,7 +230,7 @@ bool Run::run_in_step() {
   recording_.set_patience(goes_on);
   linked_buses_.start(nullptr, *plant_);
   plant_->power_on();
-  ReadingClients readers;
+  ClientBackpressure readers;
   while (!is_to_end() && timeline.now() < end && !expectation_over()) {
     if (!servers.runs().wants_time()) {
       servers.set_standing_still(true);
@@ -243,10 +243,11 @@ bool Run::run_in_step() {
       continue;
     }
     servers.set_standing_still(false);
-    const bool reads = servers.waiting_messages() < ReadingClients::enough_waiting;  // or nobody waits for it
+    const bool reads =
+        servers.waiting_messages() < ClientBackpressure::enough_waiting;  // or nobody waits for it
     const auto turn_ends = WallClock::now() + turn;
     while (servers.runs().wants_time() && timeline.now() < end && WallClock::now() < turn_ends &&
-           (!reads || servers.waiting_messages() < ReadingClients::enough_waiting)) {
+           (!reads || servers.waiting_messages() < ClientBackpressure::enough_waiting)) {
       timeline.run_until(std::min({servers.runs().next(), can::later(timeline.now(), step), end}));
     }
   }
@@ -371,7 +372,7 @@ int Run::operator()() {
   }
   const can::Duration wall = WallClock::now() - started;
   // In virtual time whoever reads has all the time there is.
-  EndPatience patience(!options_.virtual_time || is_to_end());
+  DrainTimeout patience(!options_.virtual_time || is_to_end());
   const auto waits = [&patience](WallClock::duration since) { return patience(since); };
   output_->set_patience(waits);
   if (good) {

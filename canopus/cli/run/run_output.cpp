@@ -62,10 +62,10 @@ int RunOutput::finish(const OutputQueue::Patience& patience) {
     error_->line("canopus: {} line{} lost: the output was not read", unread, unread == 1 ? "" : "s");
   }
   if (error_ && error != 0 && error != EPIPE) error_->line("canopus: {}", OutputFailed(error).what());
-  const bool nobody = error == EPIPE || (error_ && error_->error() == EPIPE);
+  const bool no_reader = error == EPIPE || (error_ && error_->error() == EPIPE);
   if (error_) (void)error_->finish(patience);
   diversion_.reset();
-  if (nobody) return reader_gone;
+  if (no_reader) return reader_gone;
   return error == 0 ? written : failed;
 }
 

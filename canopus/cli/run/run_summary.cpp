@@ -1,6 +1,6 @@
 #include "canopus/cli/run/run_summary.hpp"
 
-#include "canopus/plant/lift_seat.hpp"
+#include "canopus/plant/lift_on_bus.hpp"
 
 namespace canopus::cli {
 

@@ -64,8 +64,8 @@ std::string plant_without_devices(const std::string& name) {
 /// Whether a plant is made of it; what is wrong otherwise is said, and no reason not to edit the project.
 bool has_devices(const std::string& text, const std::string& list) {
   class : public plant::PlantObserver {
-  } nobody;
-  if (load_plant(list, nobody, standard_error(), {.text = text}) != nullptr) return true;
+  } no_observer;
+  if (load_plant(list, no_observer, standard_error(), {.text = text}) != nullptr) return true;
   print_error("canopus web: {}: the nodes of the project are not simulated; the page shows what is wrong",
               list);
   return false;

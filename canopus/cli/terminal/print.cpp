@@ -13,7 +13,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "canopus/cli/terminal/kept_work.hpp"
+#include "canopus/cli/terminal/sigpipe.hpp"
 #include "canopus/text/json.hpp"
 
 namespace canopus::cli {
@@ -153,7 +153,7 @@ Diversion::~Diversion() {
   stream(STDERR_FILENO).divert(nullptr);
 }
 
-int keep_working(const std::function<int()>& work) {
+int run_ignoring_sigpipe(const std::function<int()>& work) {
   struct Quiet {
     Quiet() {
       struct sigaction ignored {};

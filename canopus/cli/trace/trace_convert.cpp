@@ -6,9 +6,9 @@
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/channel_choice.hpp"
-#include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/cli/terminal/same_file.hpp"
+#include "canopus/cli/terminal/sigpipe.hpp"
 #include "canopus/cli/trace/trace_command.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
 #include "canopus/text/text_values.hpp"
@@ -175,7 +175,7 @@ void add_trace_convert(Command& trace, int& exit_code) {
       "Example: canopus trace convert drive.blf drive.pcapng");
   command->callback([options, &exit_code] {
     const auto work = [&] { return convert(*options); };
-    exit_code = options->out == "-" ? work() : keep_working(work);
+    exit_code = options->out == "-" ? work() : run_ignoring_sigpipe(work);
   });
 }
 

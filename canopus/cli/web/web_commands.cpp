@@ -42,7 +42,7 @@ std::expected<void, std::string> check_fields(const text::Json& wish, std::strin
 }
 
 /// Whose commands take turns with those of others: without users all with the key, and all without it.
-std::string party_of(const WebUser& user) {
+std::string fairness_key(const WebUser& user) {
   return user.name.empty() ? fmt::format("role {}", name_of(user.role)) : user.name;
 }
 
@@ -159,7 +159,9 @@ bool WebCommands::has_room_for(const WebUser& user) const {
     return static_cast<std::size_t>(std::ranges::count_if(jobs_, is_meant));
   };
   const auto only_looks = [](const Job& job) { return job.user.role == WebRole::look; };
-  const auto is_of_same = [party = party_of(user)](const Job& job) { return party_of(job.user) == party; };
+  const auto is_of_same = [party = fairness_key(user)](const Job& job) {
+    return fairness_key(job.user) == party;
+  };
   if (jobs_.size() >= most_waiting || count(is_of_same) >= most_of_user) return false;
   return user.role != WebRole::look || count(only_looks) < most_of_lookers;
 }
@@ -222,7 +224,7 @@ void WebCommands::stop(const WebUser& user, const text::Json& wish, std::uint32_
   job->is_stopped = true;
   if (job == jobs_.begin() && child_) {
     child_->interrupt();
-    return be_patient(use_.grace);
+    return extend_timeouts(use_.grace);
   }
   const Job taken = std::move(*job);
   jobs_.erase(job);
@@ -276,12 +278,12 @@ std::string WebCommands::make_file(Job& job) const {
 /// To the front: the oldest of the user whose last turn is longest ago.
 void WebCommands::choose_next() {
   const auto turn_of = [this](const Job& job) {
-    const auto found = turns_.find(party_of(job.user));
+    const auto found = turns_.find(fairness_key(job.user));
     return found == turns_.end() ? 0 : found->second;
   };
   const auto next = std::ranges::min_element(jobs_, {}, turn_of);
   std::rotate(jobs_.begin(), next, next + 1);
-  turns_[party_of(jobs_.front().user)] = ++turn_;
+  turns_[fairness_key(jobs_.front().user)] = ++turn_;
 }
 
 std::expected<std::shared_ptr<ChildProcess>, std::string> WebCommands::start(const Job& job) {
@@ -297,7 +299,7 @@ std::expected<std::shared_ptr<ChildProcess>, std::string> WebCommands::start(con
 }
 
 /// Then it is asked to end, and after some grace ended.
-void WebCommands::be_patient(std::chrono::milliseconds time) {
+void WebCommands::extend_timeouts(std::chrono::milliseconds time) {
   patience_.expires_after(time);
   patience_.async_wait([this, turn = turn_](const boost::system::error_code& error) {
     if (error || !child_ || turn != turn_) return;
@@ -305,7 +307,7 @@ void WebCommands::be_patient(std::chrono::milliseconds time) {
     if (job.is_stopped || job.is_late) return child_->kill();
     job.is_late = true;
     child_->interrupt();
-    be_patient(use_.grace);
+    extend_timeouts(use_.grace);
   });
 }
 
@@ -318,7 +320,7 @@ void WebCommands::start_next() {
       auto child = start(job);
       if (child) {
         child_ = std::move(*child);
-        return be_patient(job.line.joins_bus ? use_.longest_on_bus : use_.longest_with_files);
+        return extend_timeouts(job.line.joins_bus ? use_.longest_on_bus : use_.longest_with_files);
       }
       wrong = child.error();
     }

@@ -125,7 +125,7 @@ class WebCommands {
   void start_next();
   void choose_next();
   [[nodiscard]] std::expected<std::shared_ptr<ChildProcess>, std::string> start(const Job& job);
-  void be_patient(std::chrono::milliseconds time);
+  void extend_timeouts(std::chrono::milliseconds time);
   [[nodiscard]] std::string make_file(Job& job) const;
   void ended(int code, const std::string& errors);
   void tell_rows(bool at_once);

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/events/event_printer.hpp"
-#include "canopus/cli/events/web_details.hpp"
+#include "canopus/cli/events/node_detail_view.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
 #include "canopus/serve/web/web_secret.hpp"
 #include "canopus/serve/web/web_users.hpp"
@@ -63,8 +63,8 @@ std::expected<text::Json, std::string> change_pace(const WebPace& pace, const te
 
 /// {"command": "plants"}, {"command": "open", "path": "..."} (no path: the built-in plant), {"command": "end", "number": 3}, {"command": "new project", "name": "..."},
 /// {"command": "new settings", "name": "...", "model": "RJ71CN91"}, {"command": "save as", "path": "...", "name": "..."}, {"command": "recent projects"}, {"command": "exit"};
-/// {"command": "trace", ...} and {"command": "export trace", ...}, trace_desk.hpp; and of the faults of simulated buses {"command": "faults"}, {"command": "run faults", ...}, web_faults.hpp; {"command": "domain words", ...},
-/// web_details.hpp; of the plant's modules {"command": "clear errors", "number": 0} and {"command": "reset module", ...}, web_modules.hpp.
+/// {"command": "trace", ...} and {"command": "export trace", ...}, trace_query_engine.hpp; and of the faults of simulated buses {"command": "faults"}, {"command": "run faults", ...}, web_faults.hpp; {"command": "domain words", ...},
+/// node_detail_view.hpp; of the plant's modules {"command": "clear errors", "number": 0} and {"command": "reset module", ...}, web_modules.hpp.
 OwnCommands own_commands(WebStart* start, plant::Plant& plant, WebFaults& faults, WebModules& modules,
                          WebTrace& trace, const WebPace& pace) {
   OwnCommands own;

@@ -45,7 +45,7 @@ class WebTrace::Tap final : public can::BusObserver {
 
 WebTrace::WebTrace(boost::asio::io_context& io, plant::Plant& plant, trace::Names names)
     : io_(io), plant_(plant), timer_(io) {
-  TraceDesk::Use use{.names = std::move(names)};
+  TraceQueryEngine::Use use{.names = std::move(names)};
   for (std::size_t i = 0; i < plant.bus_count(); ++i) {
     use.buses.push_back(plant.bus(i).name());
     use.bit_rates.push_back(plant.bus(i).bit_rate());
@@ -54,7 +54,7 @@ WebTrace::WebTrace(boost::asio::io_context& io, plant::Plant& plant, trace::Name
   }
   held_.reserve(most_held * plant.bus_count());
   use.has_time = [until = until_] { return Clock::now() < *until; };
-  desk_ = std::make_shared<TraceDesk>(std::move(use));
+  desk_ = std::make_shared<TraceQueryEngine>(std::move(use));
   worker_ = std::make_unique<serve::WebWorker>(most_waiting, false, patience);
   wait();
 }

@@ -14,7 +14,7 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "canopus/can/bus.hpp"
-#include "canopus/cli/web_trace/trace_desk.hpp"
+#include "canopus/cli/web_trace/trace_query_engine.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/serve/web/web_worker.hpp"
 #include "canopus/text/json.hpp"
@@ -35,15 +35,17 @@ class WebTrace {
   WebTrace(const WebTrace&) = delete;
   WebTrace& operator=(const WebTrace&) = delete;
 
-  /// TraceDesk::look(), TraceDesk::export_part(). `done` is called in the loop, once; the error is a
+  /// TraceQueryEngine::look(), TraceQueryEngine::export_part(). `done` is called in the loop, once; the error is a
   /// sentence.
   using Done = std::function<void(std::expected<text::Json, std::string>)>;
-  void look(const text::Json& wish, Done done) { ask(&TraceDesk::look, wish, std::move(done)); }
-  void export_part(const text::Json& wish, Done done) { ask(&TraceDesk::export_part, wish, std::move(done)); }
+  void look(const text::Json& wish, Done done) { ask(&TraceQueryEngine::look, wish, std::move(done)); }
+  void export_part(const text::Json& wish, Done done) {
+    ask(&TraceQueryEngine::export_part, wish, std::move(done));
+  }
 
  private:
   class Tap;
-  using Question = std::expected<text::Json, std::string> (TraceDesk::*)(const text::Json&);
+  using Question = std::expected<text::Json, std::string> (TraceQueryEngine::*)(const text::Json&);
   void ask(Question question, const text::Json& wish, Done done);
   void hold(const trace::TraceRecord& record) noexcept;
   void hand_over();
@@ -58,7 +60,7 @@ class WebTrace {
   std::shared_ptr<bool> is_there_ = std::make_shared<bool>(true);  // for work that comes back
   std::shared_ptr<std::chrono::steady_clock::time_point> until_ =
       std::make_shared<std::chrono::steady_clock::time_point>();  // the worker's alone
-  std::shared_ptr<TraceDesk> desk_;                               // the worker's alone
+  std::shared_ptr<TraceQueryEngine> desk_;                        // the worker's alone
   std::unique_ptr<serve::WebWorker> worker_;
 };
 

@@ -13,7 +13,7 @@ using canopen::AbortCode;
 using canopen::NmtState;
 
 /// The transfers with one node, the first one running.
-struct Gateway::Channel final : canopen::SdoClientUser {
+struct Gateway::Channel final : canopen::SdoClientListener {
   struct Job {
     Ticket ticket;
     Transfer transfer;

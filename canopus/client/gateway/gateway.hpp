@@ -34,7 +34,7 @@ class GatewayListener {
   ~GatewayListener() = default;
 };
 
-class Gateway final : public can::Participant, private GatewayPdoUser {
+class Gateway final : public can::Participant, private GatewayPdoListener {
  public:
   static constexpr unsigned network = 1;  ///< the only one
   /// Bytes of an object that is read; one with more is given up as SdoClient::buffer_too_small.

@@ -14,7 +14,7 @@
 
 namespace canopus::client {
 
-class GatewayLss final : public can::Participant, private lss::LssMasterUser {
+class GatewayLss final : public can::Participant, private lss::LssMasterListener {
  public:
   static constexpr std::chrono::milliseconds default_time_out{100};  ///< for an answer
 

@@ -40,7 +40,7 @@ struct GatewayPdo {
 /// "2 0x12 0x3456": how many, and each.
 [[nodiscard]] std::string show_pdo_values(const GatewayPdo& pdo);
 
-class GatewayPdoUser {
+class GatewayPdoListener {
  public:
   /// New values of an RPDO of type event or sync.
   virtual void pdo_received(unsigned number, const GatewayPdo& pdo) = 0;
@@ -48,7 +48,7 @@ class GatewayPdoUser {
   virtual void pdo_too_short() = 0;
 
  protected:
-  ~GatewayPdoUser() = default;
+  ~GatewayPdoListener() = default;
 };
 
 class GatewayPdos final : public can::Participant {
@@ -57,7 +57,7 @@ class GatewayPdos final : public can::Participant {
   using Ticket = std::uint64_t;
   using Done = std::function<void(const GatewayPdo& pdo, can::Time now)>;
 
-  GatewayPdos(can::Sink& bus, GatewayPdoUser& user) : bus_(bus), user_(user) {}
+  GatewayPdos(can::Sink& bus, GatewayPdoListener& user) : bus_(bus), user_(user) {}
 
   // By their numbers, 1..512. pdo_in_use: another PDO has this identifier.
   GatewayError set_rpdo(unsigned number, GatewayPdo pdo) { return set(rpdos_, number, std::move(pdo)); }
@@ -93,7 +93,7 @@ class GatewayPdos final : public can::Participant {
   void sync(const can::Frame& frame, can::Time now);
 
   can::Sink& bus_;
-  GatewayPdoUser& user_;
+  GatewayPdoListener& user_;
   Pdos rpdos_;
   Pdos tpdos_;
   std::vector<Waiting> waiting_;

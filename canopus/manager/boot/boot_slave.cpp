@@ -63,12 +63,12 @@ void BootSlave::boot_up(can::Time now) {
     // The question was lost; its time-out asks again at once.
     case BootStep::presence: rebooted_ = true; return;
     case BootStep::presence_pause: return ask_presence(now);
-    case BootStep::boot_up_after_reset: return follow_software(software_.check(now), now);
+    case BootStep::boot_up_after_reset: return on_software_step(software_.check(now), now);
     case BootStep::boot_up_after_restore: return follow_configuration(configuration_.compare(now), now);
     default: break;
   }
   if (facts(boot_.record.step).phase == BootPhase::software)
-    return follow_software(software_.boot_up(now), now);
+    return on_software_step(software_.boot_up(now), now);
   start(false, now);
 }
 
@@ -119,7 +119,7 @@ void BootSlave::identity_answered(can::Time now) {
 // Keep alive: a node that is Operational must not be disturbed.
 void BootSlave::check_state(can::Time now) {
   if ((boot_.assignment() & assignment_bit::keep_alive) == 0) {
-    return follow_software(software_.check(now), now);
+    return on_software_step(software_.check(now), now);
   }
   const can::Duration heartbeat = boot_.host.heartbeat_time(boot_.node_id);
   if (heartbeat > can::Duration{}) return boot_.enter(BootStep::state_by_heartbeat, now, heartbeat);
@@ -145,13 +145,13 @@ void BootSlave::state_seen(canopen::NmtState state, can::Time now) {
   }
 }
 
-void BootSlave::follow_software(const BootOutcome& outcome, can::Time now) {
+void BootSlave::on_software_step(const BootOutcome& outcome, can::Time now) {
   if (!outcome) return fail(outcome.error(), now);
   switch (*outcome) {
-    case BootNext::wait: return;
-    case BootNext::go_on: return follow_configuration(configuration_.begin(now), now);
-    case BootNext::from_presence: return begin(now);
-    case BootNext::from_start: return start(false, now);
+    case StepResult::wait: return;
+    case StepResult::go_on: return follow_configuration(configuration_.begin(now), now);
+    case StepResult::from_presence: return begin(now);
+    case StepResult::from_start: return start(false, now);
   }
 }
 
@@ -163,7 +163,7 @@ void BootSlave::configure(can::Time now) {
 
 void BootSlave::follow_configuration(const BootOutcome& outcome, can::Time now) {
   if (!outcome) return fail(outcome.error(), now);
-  if (*outcome == BootNext::go_on) configured(now);
+  if (*outcome == StepResult::go_on) configured(now);
 }
 
 void BootSlave::configured(can::Time now) {
@@ -238,7 +238,7 @@ void BootSlave::transfer_ended(can::Time now) {
   if (boot_.transfer.blocks_refused(software_.rebooted())) {
     boot_.transfer.allow_blocks(false);
     if (boot_.record.step != BootStep::program_download) return boot_.transfer.repeat(now);
-    return follow_software(software_.download(now), now);
+    return on_software_step(software_.download(now), now);
   }
   switch (boot_.record.step) {
     case BootStep::presence: return presence_answered(now);
@@ -247,7 +247,7 @@ void BootSlave::transfer_ended(can::Time now) {
   }
   const BootStepFacts& step = facts(boot_.record.step);
   if (!step.asks_object) return;
-  if (step.phase == BootPhase::software) return follow_software(software_.answered(now), now);
+  if (step.phase == BootPhase::software) return on_software_step(software_.answered(now), now);
   if (step.phase == BootPhase::configuration) follow_configuration(configuration_.answered(now), now);
 }
 

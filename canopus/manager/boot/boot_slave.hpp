@@ -19,7 +19,7 @@
 
 namespace canopus::manager {
 
-class BootSlave final : private BootTransferUser {
+class BootSlave final : private BootTransferListener {
  public:
   BootSlave(std::uint8_t node_id, BootHost& host, can::Sink& sink) : boot_(node_id, host, sink, *this) {}
 
@@ -63,7 +63,7 @@ class BootSlave final : private BootTransferUser {
 
  private:
   void transfer_ended(can::Time now) override;
-  void follow_software(const BootOutcome& outcome, can::Time now);
+  void on_software_step(const BootOutcome& outcome, can::Time now);
   void follow_configuration(const BootOutcome& outcome, can::Time now);
 
   void begin(can::Time now);

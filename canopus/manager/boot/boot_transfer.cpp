@@ -5,7 +5,7 @@
 namespace canopus::manager {
 
 BootTransfer::BootTransfer(std::uint8_t node_id, BootHost& host, can::Sink& sink, BootRecord& record,
-                           BootTransferUser& user)
+                           BootTransferListener& user)
     : node_id_(node_id), host_(&host), record_(&record), user_(&user), client_(sink) {
   client_.set_server(node_id);
 }

@@ -17,19 +17,19 @@
 namespace canopus::manager {
 
 /// Called when a transfer ended, well or not.
-class BootTransferUser {
+class BootTransferListener {
  public:
   virtual void transfer_ended(can::Time now) = 0;
 
  protected:
-  ~BootTransferUser() = default;
+  ~BootTransferListener() = default;
 };
 
-class BootTransfer final : private canopen::SdoClientUser, private canopen::ByteSource {
+class BootTransfer final : private canopen::SdoClientListener, private canopen::ByteSource {
  public:
   /// All must outlive it.
   BootTransfer(std::uint8_t node_id, BootHost& host, can::Sink& sink, BootRecord& record,
-               BootTransferUser& user);
+               BootTransferListener& user);
 
   void read(std::uint16_t index, std::uint8_t sub, can::Time now);
   /// `data` must stay valid until the end.
@@ -77,7 +77,7 @@ class BootTransfer final : private canopen::SdoClientUser, private canopen::Byte
   std::uint8_t node_id_;
   BootHost* host_;
   BootRecord* record_;
-  BootTransferUser* user_;
+  BootTransferListener* user_;
   canopen::SdoClient client_;
   Kind kind_ = Kind::read;
   std::span<const std::uint8_t> data_;  // what is written

@@ -19,7 +19,7 @@ BootOutcome SlaveConfiguration::begin(can::Time now) {
   if ((boot_->assignment() & assignment_bit::restore) == 0 || sub == 0) return compare(now);
   boot_->enter(BootStep::restore, now);
   boot_->transfer.write(0x1011, sub, load_signature, now);
-  return BootNext::wait;
+  return StepResult::wait;
 }
 
 BootOutcome SlaveConfiguration::answered(can::Time now) {
@@ -28,7 +28,7 @@ BootOutcome SlaveConfiguration::answered(can::Time now) {
     case BootStep::configuration_date:
     case BootStep::configuration_time: return mark_answered(now);
     case BootStep::configuration: return entry_answered(now);
-    default: return BootNext::wait;
+    default: return StepResult::wait;
   }
 }
 
@@ -41,27 +41,27 @@ BootOutcome SlaveConfiguration::restored(can::Time now) {
   boot_->host.send_nmt(
       communication_alone ? canopen::NmtCommand::reset_communication : canopen::NmtCommand::reset_node,
       boot_->node_id, now);
-  return BootNext::wait;
+  return StepResult::wait;
 }
 
 BootOutcome SlaveConfiguration::compare(can::Time now) {
-  if (is_empty_concise_dcf(boot_->host.concise_dcf(boot_->node_id))) return BootNext::go_on;
+  if (is_empty_concise_dcf(boot_->host.concise_dcf(boot_->node_id))) return StepResult::go_on;
   const std::uint32_t date = boot_->expected(0x1F26);
   const std::uint32_t time = boot_->expected(0x1F27);
   if (date == 0 || time == 0) return download(now);
   boot_->record.expected = date;
   boot_->ask(BootStep::configuration_date, 0x1020, 1, now);
-  return BootNext::wait;
+  return StepResult::wait;
 }
 
 BootOutcome SlaveConfiguration::mark_answered(can::Time now) {
   BootRecord& record = boot_->record;
   record.received = boot_->transfer.value();
   if (!boot_->was_answered() || record.received != record.expected) return download(now);
-  if (record.step == BootStep::configuration_time) return BootNext::go_on;
+  if (record.step == BootStep::configuration_time) return StepResult::go_on;
   record.expected = boot_->expected(0x1F27);
   boot_->ask(BootStep::configuration_time, 0x1020, 2, now);
-  return BootNext::wait;
+  return StepResult::wait;
 }
 
 BootOutcome SlaveConfiguration::download(can::Time now) {
@@ -74,9 +74,9 @@ BootOutcome SlaveConfiguration::next_entry(can::Time now) {
   // Recursion would follow the file's length when transfers end inside the call; they never do.
   if (const auto entry = file_.next()) {
     boot_->transfer.write(entry->index, entry->sub, entry->data, now);
-    return BootNext::wait;
+    return StepResult::wait;
   }
-  if (file_.intact()) return BootNext::go_on;
+  if (file_.intact()) return StepResult::go_on;
   boot_->record.abort_code = canopen::AbortCode::general;
   boot_->record.index = 0;
   return failed;

@@ -37,7 +37,7 @@ void SoftwareUpdate::forget() noexcept {
 }
 
 BootOutcome SoftwareUpdate::check(can::Time now) {
-  if ((boot_->assignment() & assignment_bit::check_software) == 0) return BootNext::go_on;
+  if ((boot_->assignment() & assignment_bit::check_software) == 0) return StepResult::go_on;
   boot_->record.expected = boot_->expected(expected_version);
   if (boot_->record.expected == 0) {
     boot_->enter(BootStep::software_version, now);
@@ -45,7 +45,7 @@ BootOutcome SoftwareUpdate::check(can::Time now) {
     return not_described;
   }
   boot_->ask(BootStep::software_version, software_identification, first_program, now);
-  return BootNext::wait;
+  return StepResult::wait;
 }
 
 BootOutcome SoftwareUpdate::answered(can::Time now) {
@@ -59,7 +59,7 @@ BootOutcome SoftwareUpdate::answered(can::Time now) {
     case BootStep::program_verify: return verified(now);
     case BootStep::program_start: return start_answered(now);
     case BootStep::program_started: return run_answered(now);
-    default: return BootNext::wait;
+    default: return StepResult::wait;
   }
 }
 
@@ -67,29 +67,29 @@ BootOutcome SoftwareUpdate::boot_up(can::Time) {
   switch (boot_->record.step) {
     // Some devices restart to take a program.
     case BootStep::program_stop:
-    case BootStep::program_clear: return BootNext::wait;
+    case BootStep::program_clear: return StepResult::wait;
     // The boot-up message of that restart, late, or another one: the transfer will show.
-    case BootStep::program_download: rebooted_ = true; return BootNext::wait;
+    case BootStep::program_download: rebooted_ = true; return StepResult::wait;
     case BootStep::program_start:
     case BootStep::program_started:
       boot_->transfer.stop();
       updated_ = true;
-      return BootNext::from_presence;
-    default: return BootNext::from_start;
+      return StepResult::from_presence;
+    default: return StepResult::from_start;
   }
 }
 
 BootOutcome SoftwareUpdate::version_answered(can::Time now) {
   if (!boot_->was_answered()) return not_described;
   boot_->record.received = boot_->transfer.value();
-  if (boot_->record.received == boot_->record.expected) return BootNext::go_on;
+  if (boot_->record.received == boot_->record.expected) return StepResult::go_on;
   const std::uint32_t bits = boot_->assignment();
   if ((bits & assignment_bit::update_software) == 0 || (bits & assignment_bit::keep_alive) != 0) {
     return std::unexpected(BootError::software_not_allowed);
   }
   if (updated_ || updates_ >= boot_->host.boot_options().program_attempts) return download_failed;
   boot_->ask(BootStep::program_state, program_control, first_program, now);
-  return BootNext::wait;
+  return StepResult::wait;
 }
 
 BootOutcome SoftwareUpdate::state_answered(can::Time now) {
@@ -106,7 +106,7 @@ BootOutcome SoftwareUpdate::control(BootStep step, std::uint8_t command, can::Ti
   boot_->enter(step, now);
   command_ = command;
   boot_->transfer.write(program_control, first_program, {&command_, 1}, now);
-  return BootNext::wait;
+  return StepResult::wait;
 }
 
 BootOutcome SoftwareUpdate::stopped(can::Time now) {
@@ -123,7 +123,7 @@ BootOutcome SoftwareUpdate::cleared(can::Time now) {
   const MasterOptions& options = boot_->host.boot_options();
   if (!boot_->was_silent() || ++clear_attempts_ >= options.program_clear_attempts) return download_failed;
   boot_->transfer.repeat_later(options.program_poll, now);
-  return BootNext::wait;
+  return StepResult::wait;
 }
 
 BootOutcome SoftwareUpdate::download(can::Time now) {
@@ -136,17 +136,17 @@ BootOutcome SoftwareUpdate::download(can::Time now) {
     return download_failed;
   }
   boot_->transfer.write_program(program_data, first_program, program, now);
-  return BootNext::wait;
+  return StepResult::wait;
 }
 
 BootOutcome SoftwareUpdate::downloaded(can::Time now) {
   if (!boot_->was_answered()) {
-    if (rebooted_) return BootNext::from_start;
+    if (rebooted_) return StepResult::from_start;
     return download_failed;
   }
   boot_->record.received = 0;
   boot_->ask(BootStep::program_flash, flash_status, first_program, now);
-  return BootNext::wait;
+  return StepResult::wait;
 }
 
 // Not every device has 1F57H; one without it is asked for its version at once.
@@ -161,12 +161,12 @@ BootOutcome SoftwareUpdate::flash_status_answered(can::Time now) {
     const MasterOptions& options = boot_->host.boot_options();
     if (is_over(record.since, options.program_flash_limit, now)) return download_failed;
     boot_->transfer.repeat_later(options.program_poll, now);
-    return BootNext::wait;
+    return StepResult::wait;
   }
   if ((record.received & 0xFE) != 0) return download_failed;
   record.expected = boot_->expected(expected_version);
   boot_->ask(BootStep::program_verify, software_identification, first_program, now);
-  return BootNext::wait;
+  return StepResult::wait;
 }
 
 BootOutcome SoftwareUpdate::verified(can::Time now) {
@@ -181,19 +181,19 @@ BootOutcome SoftwareUpdate::start_answered(can::Time now) {
   boot_->enter(BootStep::program_started, now);
   boot_->host.boot_went_on(boot_->node_id, boot_->record, now);
   boot_->transfer.read_later(boot_->host.boot_options().program_poll, now);
-  return BootNext::wait;
+  return StepResult::wait;
 }
 
 BootOutcome SoftwareUpdate::run_answered(can::Time now) {
   if (!boot_->was_answered() && !boot_->was_silent()) return download_failed;
   if (boot_->was_answered() && boot_->transfer.value() == run) {
     updated_ = true;
-    return BootNext::from_presence;
+    return StepResult::from_presence;
   }
   const MasterOptions& options = boot_->host.boot_options();
   if (is_over(boot_->record.since, options.program_start_limit, now)) return download_failed;
   boot_->transfer.repeat_later(options.program_poll, now);
-  return BootNext::wait;
+  return StepResult::wait;
 }
 
 }  // namespace canopus::manager

@@ -44,7 +44,7 @@ inline constexpr int highest_node_id = 127;
 }
 
 /// What the outcome is for.
-class FlyingMasterUser {
+class FlyingMasterListener {
  public:
   /// This node is the active master.
   virtual void mastership_won(can::Time now) = 0;
@@ -56,14 +56,14 @@ class FlyingMasterUser {
   virtual void reset_all_nodes(can::Time now) = 0;
 
  protected:
-  ~FlyingMasterUser() = default;
+  ~FlyingMasterListener() = default;
 };
 
 class FlyingMaster {
  public:
   enum class State : std::uint8_t { off, delay, detecting, negotiating, standby, active };
 
-  FlyingMaster(can::Sink& sink, FlyingMasterUser& user) : sink_(&sink), user_(&user) {}
+  FlyingMaster(can::Sink& sink, FlyingMasterListener& user) : sink_(&sink), user_(&user) {}
 
   /// Begins after a power-on or reset communication.
   void start(std::uint8_t node_id, const FlyingMasterTiming& timing, can::Time now);
@@ -90,7 +90,7 @@ class FlyingMaster {
   [[nodiscard]] can::Duration whole_negotiation() const noexcept;
 
   can::Sink* sink_;
-  FlyingMasterUser* user_;
+  FlyingMasterListener* user_;
   FlyingMasterTiming timing_;
   std::uint8_t node_id_ = 0;
   std::uint8_t active_master_ = 0;

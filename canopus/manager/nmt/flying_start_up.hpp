@@ -12,7 +12,7 @@
 
 namespace canopus::manager {
 
-class FlyingStartUp final : private FlyingMasterUser {
+class FlyingStartUp final : private FlyingMasterListener {
  public:
   FlyingStartUp(MasterContext& master, can::Sink& sink, StartUp& start_up, ErrorControl& error_control,
                 NmtCommandQueue& commands)

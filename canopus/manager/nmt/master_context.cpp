@@ -6,7 +6,7 @@ namespace canopus::manager {
 
 namespace {
 
-MasterListener& nobody() {
+MasterListener& no_listener() {
   static class : public MasterListener {
   } listener;
   return listener;
@@ -15,9 +15,11 @@ MasterListener& nobody() {
 }  // namespace
 
 MasterContext::MasterContext(canopen::Node& the_node, const MasterOptions& the_options)
-    : node(the_node), options(the_options), listener(&nobody()) {}
+    : node(the_node), options(the_options), listener(&no_listener()) {}
 
-void MasterContext::set_listener(MasterListener* to) noexcept { listener = to != nullptr ? to : &nobody(); }
+void MasterContext::set_listener(MasterListener* to) noexcept {
+  listener = to != nullptr ? to : &no_listener();
+}
 
 void MasterContext::set_state(std::uint8_t node_id, std::uint8_t state, can::Time now) {
   if (slaves[node_id].state == state) return;

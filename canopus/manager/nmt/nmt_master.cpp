@@ -57,12 +57,12 @@ void NmtMaster::receive(const can::Frame& frame, can::Time now) {
     link_.keep(frame);
     return wake(now);
   }
-  hear_kept(now);
+  process_deferred(now);
   hear(frame, now);
 }
 
-void NmtMaster::hear_kept(can::Time now) {
-  link_.hear_kept([this, now](const can::Frame& frame) { hear(frame, now); });
+void NmtMaster::process_deferred(can::Time now) {
+  link_.process_deferred([this, now](const can::Frame& frame) { hear(frame, now); });
 }
 
 void NmtMaster::hear(const can::Frame& frame, can::Time now) {
@@ -126,7 +126,7 @@ void NmtMaster::tick(can::Time now) {
   link_.set_time(now);
   for (;;) {
     if (link_.may_hear_kept()) {
-      hear_kept(now);
+      process_deferred(now);
     } else if (timers.earliest() <= now) {
       const std::uint8_t number = timers.first();
       if (number == 0) {

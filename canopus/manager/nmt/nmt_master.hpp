@@ -38,7 +38,7 @@
 #include "canopus/manager/nmt/error_control.hpp"
 #include "canopus/manager/nmt/flying_start_up.hpp"
 #include "canopus/manager/nmt/master_context.hpp"
-#include "canopus/manager/nmt/master_link.hpp"
+#include "canopus/manager/nmt/master_port.hpp"
 #include "canopus/manager/nmt/nmt_command_queue.hpp"
 #include "canopus/manager/nmt/nmt_requests.hpp"
 #include "canopus/manager/nmt/start_up.hpp"
@@ -194,7 +194,7 @@ class NmtMaster final : public can::Participant, private MasterContext, private 
   void channel_freed(std::uint8_t node_id, can::Time now) override;
 
   void hear(const can::Frame& frame, can::Time now);
-  void hear_kept(can::Time now);
+  void process_deferred(can::Time now);
   void hear_sdo_response(std::uint8_t node_id, const can::Frame& frame, can::Time now);
   void hear_error_control(std::uint8_t node_id, const can::Frame& frame, can::Time now);
   void master_tick(can::Time now);
@@ -202,7 +202,7 @@ class NmtMaster final : public can::Participant, private MasterContext, private 
   void boot_may_have_ended_transfer(std::uint8_t node_id, can::Time now);
   [[nodiscard]] canopen::AbortCode check_sdo_request(std::uint8_t node_id) const noexcept;
 
-  MasterLink link_;
+  MasterPort link_;
   SdoRequests requests_;
   NmtCommandQueue commands_;
   ErrorControl error_control_;

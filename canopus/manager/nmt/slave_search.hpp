@@ -12,7 +12,7 @@ namespace canopus::manager {
 
 class StartUp;
 
-class SlaveSearch final : private lss::LssSearchUser {
+class SlaveSearch final : private lss::LssSearchListener {
  public:
   /// LSS frames go to `wire`.
   SlaveSearch(MasterContext& master, StartUp& start_up, can::Sink& wire)

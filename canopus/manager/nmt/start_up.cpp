@@ -318,7 +318,7 @@ bool StartUp::is_late_boot_up(std::uint8_t node_id, can::Time now) {
 
 void StartUp::boot_up(std::uint8_t node_id, can::Time now) {
   if ((master_.assignment(node_id) & assignment_bit::slave) == 0 || !may_boot()) return;
-  if (leaves_alone(node_id)) return;
+  if (is_unmanaged(node_id)) return;
   const Slave& slave = master_.slaves[node_id];
   if (slave.is_booting()) {
     slave.boot->boot_up(now);
@@ -336,7 +336,7 @@ void StartUp::state_seen(std::uint8_t node_id, NmtState state, can::Time now) {
 void StartUp::slave_lost(std::uint8_t node_id, can::Time now) {
   const std::uint32_t bits = master_.assignment(node_id);
   if ((bits & assignment_bit::slave) == 0 || !may_boot() || begin_pending_) return;
-  if (leaves_alone(node_id)) return;
+  if (is_unmanaged(node_id)) return;
   if (master_.slaves[node_id].is_booting()) return;  // it is being brought back already
   if ((bits & assignment_bit::mandatory) != 0) {
     if ((bits_ & start_up_bit::stop_all_nodes) != 0) {

@@ -107,7 +107,7 @@ class StartUp {
   void own_node_is_operational(can::Time now);
   void start_slaves(can::Time now);
   /// A slave that comes back by itself, or is lost, is left alone.
-  [[nodiscard]] bool leaves_alone(std::uint8_t node_id) const {
+  [[nodiscard]] bool is_unmanaged(std::uint8_t node_id) const {
     return master_.options.boot_bit_is_for_recovery &&
            (master_.assignment(node_id) & assignment_bit::boot_slave) == 0 &&
            !master_.slaves[node_id].is_booting();

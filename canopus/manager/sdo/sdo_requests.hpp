@@ -48,7 +48,7 @@ class SdoChannelGate {
   ~SdoChannelGate() = default;
 };
 
-class SdoRequests final : private canopen::SdoClientUser {
+class SdoRequests final : private canopen::SdoClientListener {
  public:
   using Done = std::function<void(const SdoResult&, can::Time now)>;
   /// A busy channel is tried again after this, should nobody call channel_freed().

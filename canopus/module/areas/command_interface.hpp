@@ -148,7 +148,7 @@ class CommandHost {
   ~CommandHost() = default;
 };
 
-class CommandInterface final : public BufferArea, public canopen::SdoClientUser {
+class CommandInterface final : public BufferArea, public canopen::SdoClientListener {
  public:
   static constexpr std::size_t word_count = 67;
   static constexpr std::size_t most_data_bytes = 124;

@@ -1,13 +1,13 @@
 #pragma once
 
-#include "canopus/module/engine/module_parts.hpp"
+#include "canopus/module/engine/module_context.hpp"
 
 namespace canopus::module {
 
 /// Brings into the event history, and to the module errors, what nobody reports: it is seen from one event to the next.
 class ChangeLog {
  public:
-  explicit ChangeLog(ModuleParts& parts) : parts_(parts) {}
+  explicit ChangeLog(ModuleContext& parts) : parts_(parts) {}
   /// After every event.
   void look(can::Time now) {
     if (parts_.diagnostics.reports()) look_at_parts(now);
@@ -16,7 +16,7 @@ class ChangeLog {
  private:
   void look_at_parts(can::Time now);
 
-  ModuleParts& parts_;
+  ModuleContext& parts_;
   bool online_ = false;  // as logged last
   bool active_ = false;
 };

@@ -1,7 +1,7 @@
 #include "canopus/module/engine/command_bus.hpp"
 
 #include "canopus/module/areas/pdo_mapping.hpp"
-#include "canopus/module/engine/module_parts.hpp"
+#include "canopus/module/engine/module_context.hpp"
 
 namespace canopus::module {
 

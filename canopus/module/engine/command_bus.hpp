@@ -7,13 +7,13 @@
 
 namespace canopus::module {
 
-struct ModuleParts;
+struct ModuleContext;
 
 /// What the commands of the command interface need of the module, and send.
 class CommandBus final : public CommandHost {
  public:
   /// `parts` may be under construction.
-  explicit CommandBus(ModuleParts& parts) : parts_(parts) {}
+  explicit CommandBus(ModuleContext& parts) : parts_(parts) {}
   CommandBus(const CommandBus&) = delete;
   CommandBus& operator=(const CommandBus&) = delete;
 
@@ -38,7 +38,7 @@ class CommandBus final : public CommandHost {
   void clear_error_control(std::uint8_t node_id, can::Time now) override;
   void command_finished(can::Time now) override;
 
-  ModuleParts& parts_;
+  ModuleContext& parts_;
 };
 
 }  // namespace canopus::module

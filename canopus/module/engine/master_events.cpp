@@ -4,7 +4,7 @@
 
 namespace canopus::module {
 
-MasterEvents::MasterEvents(ModuleParts& parts, ControllerSide& controller, can::Participant& module)
+MasterEvents::MasterEvents(ModuleContext& parts, ControllerMonitor& controller, can::Participant& module)
     : parts_(parts), controller_(controller), module_(module) {
   parts_.master.set_listener(this);
 }

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "canopus/module/engine/controller_side.hpp"
+#include "canopus/module/engine/controller_monitor.hpp"
 
 namespace canopus::module {
 
@@ -10,7 +10,7 @@ namespace canopus::module {
 class MasterEvents final : public manager::MasterListener {
  public:
   /// `module` hears when the controller has changed.
-  MasterEvents(ModuleParts& parts, ControllerSide& controller, can::Participant& module);
+  MasterEvents(ModuleContext& parts, ControllerMonitor& controller, can::Participant& module);
   MasterEvents(const MasterEvents&) = delete;
   MasterEvents& operator=(const MasterEvents&) = delete;
 
@@ -32,8 +32,8 @@ class MasterEvents final : public manager::MasterListener {
   void error_control_changed(std::uint8_t node_id, std::uint16_t bits, can::Time now) override;
   bool sdo_channel_free(std::uint8_t node_id) override { return parts_.command.remote_node() != node_id; }
 
-  ModuleParts& parts_;
-  ControllerSide& controller_;
+  ModuleContext& parts_;
+  ControllerMonitor& controller_;
   can::Participant& module_;
 };
 

@@ -15,12 +15,12 @@
 
 #include "canopus/module/engine/change_log.hpp"
 #include "canopus/module/engine/command_bus.hpp"
-#include "canopus/module/engine/controller_side.hpp"
-#include "canopus/module/engine/cpu_side.hpp"
-#include "canopus/module/engine/layer2_bus.hpp"
+#include "canopus/module/engine/controller_monitor.hpp"
+#include "canopus/module/engine/cpu_state_handler.hpp"
+#include "canopus/module/engine/layer2_online_state.hpp"
 #include "canopus/module/engine/master_events.hpp"
+#include "canopus/module/engine/module_context.hpp"
 #include "canopus/module/engine/module_leds.hpp"
-#include "canopus/module/engine/module_parts.hpp"
 #include "canopus/module/engine/node_events.hpp"
 #include "canopus/module/engine/register_words.hpp"
 #include "canopus/module/interface/communication_module.hpp"
@@ -174,7 +174,7 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
                                        : parts_.layer2.online();
   }
   /// A word that a module with a faulty stored object dictionary takes.
-  [[nodiscard]] bool leads_out_of_stuck(BufferAddress address) const noexcept;
+  [[nodiscard]] bool is_writable_while_stuck(BufferAddress address) const noexcept;
   void note_access(BufferAddress address, can::Time now) {
     if (parts_.state.phase == Phase::off) return;
     parts_.state.last_access = now;
@@ -185,11 +185,11 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   void receive_other(const can::Frame& frame, can::Time now);
 
   CommandBus command_bus_{parts_};
-  ModuleParts parts_;
+  ModuleContext parts_;
   RegisterWords registers_;
-  ControllerSide controller_side_{parts_};
-  CpuSide cpu_side_{parts_};
-  Layer2Bus layer2_bus_{parts_, controller_side_};
+  ControllerMonitor controller_side_{parts_};
+  CpuStateHandler cpu_side_{parts_};
+  Layer2OnlineState layer2_bus_{parts_, controller_side_};
   NodeEvents node_events_{parts_, cpu_side_};
   MasterEvents master_events_{parts_, controller_side_, *this};
   ChangeLog change_log_{parts_};

@@ -14,7 +14,7 @@ std::uint16_t ModuleEngine::read_word(BufferAddress address, can::Time now) {
 }
 
 // A module that stays in its initialization takes commands, which reset the object dictionary, and the restart.
-bool ModuleEngine::leads_out_of_stuck(BufferAddress address) const noexcept {
+bool ModuleEngine::is_writable_while_stuck(BufferAddress address) const noexcept {
   const auto restarts = [address](const RequestWordRow& row) {
     return row.word == address && row.use == RequestUse::restart;
   };
@@ -24,8 +24,8 @@ bool ModuleEngine::leads_out_of_stuck(BufferAddress address) const noexcept {
 void ModuleEngine::write_word(BufferAddress address, std::uint16_t value, can::Time now) {
   if (parts_.state.phase == Phase::off) return;
   note_access(address, now);
-  const bool allowed =
-      !parts_.state.initializing() || (parts_.state.phase == Phase::stuck && leads_out_of_stuck(address));
+  const bool allowed = !parts_.state.initializing() ||
+                       (parts_.state.phase == Phase::stuck && is_writable_while_stuck(address));
   const bool was_good = !parts_.errors.has(ModuleError::invalid_value);
   const WriteResult result = allowed ? parts_.buffer.write(address, value, now) : WriteResult::refused;
   parts_.errors.record(result, address);

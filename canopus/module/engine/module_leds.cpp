@@ -7,7 +7,7 @@ namespace {
 // A frame is too short to be seen.
 constexpr can::Duration traffic_afterglow = std::chrono::milliseconds(50);
 
-LedPattern network_state_pattern(const ModuleParts& parts) {
+LedPattern network_state_pattern(const ModuleContext& parts) {
   if (!parts.state.running()) return LedPattern::off;
   if (parts.master.lss_active()) return LedPattern::flickering;
   if (!parts.state.canopen_mode()) return parts.layer2.online() ? LedPattern::on : LedPattern::off;
@@ -21,7 +21,7 @@ LedPattern network_state_pattern(const ModuleParts& parts) {
 }
 
 // The most severe cause wins.
-LedPattern network_error_pattern(const ModuleParts& parts) {
+LedPattern network_error_pattern(const ModuleContext& parts) {
   if (!parts.state.running()) return LedPattern::off;
   if (parts.errors.has(ModuleError::bus_off)) return LedPattern::on;
   if (parts.master.lss_active()) return LedPattern::flickering;
@@ -32,7 +32,7 @@ LedPattern network_error_pattern(const ModuleParts& parts) {
 }
 
 // [FX3U-CAN 1.2.2, 14.1]
-LedPattern module_error_pattern(const ModuleParts& parts) {
+LedPattern module_error_pattern(const ModuleContext& parts) {
   if (!parts.state.running()) return LedPattern::off;
   if (parts.errors.has(ModuleError::bus_off) || parts.state.cpu_fault || parts.watchdog.expired())
     return LedPattern::on;
@@ -44,7 +44,7 @@ LedPattern module_error_pattern(const ModuleParts& parts) {
 
 }  // namespace
 
-std::vector<Led> leds_of(const ModuleParts& parts, can::Time last_frame, can::Time now) {
+std::vector<Led> leds_of(const ModuleContext& parts, can::Time last_frame, can::Time now) {
   std::vector<Led> leds;
   for (const LedRow& row : parts.model.leds) {
     Led& led = leds.emplace_back(row.name);

@@ -4,7 +4,7 @@
 
 namespace canopus::module {
 
-NodeEvents::NodeEvents(ModuleParts& parts, CpuSide& cpu) : parts_(parts), cpu_(cpu) {
+NodeEvents::NodeEvents(ModuleContext& parts, CpuStateHandler& cpu) : parts_(parts), cpu_(cpu) {
   parts_.node.set_listener(this);
   parts_.node.dictionary().attach(0x0002, 0x0008, *this);
 }

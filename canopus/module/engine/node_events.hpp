@@ -5,14 +5,14 @@
 #include <utility>
 
 #include "canopus/canopen/service/node_listener.hpp"
-#include "canopus/module/engine/cpu_side.hpp"
+#include "canopus/module/engine/cpu_state_handler.hpp"
 
 namespace canopus::module {
 
 /// What the CANopen node reports, brought to the areas.
 class NodeEvents final : public canopen::NodeListener, public canopen::ObjectHandler {
  public:
-  NodeEvents(ModuleParts& parts, CpuSide& cpu);
+  NodeEvents(ModuleContext& parts, CpuStateHandler& cpu);
   NodeEvents(const NodeEvents&) = delete;
   NodeEvents& operator=(const NodeEvents&) = delete;
 
@@ -25,7 +25,7 @@ class NodeEvents final : public canopen::NodeListener, public canopen::ObjectHan
   void reset_requested(canopen::NmtCommand which, can::Time now) override;
   void defaults_loaded(canopen::NmtCommand which, can::Time now) override;
   void reset_done(canopen::NmtCommand which, can::Time now) override;
-  bool may_become_operational() override { return cpu_.lets_operate(); }
+  bool may_become_operational() override { return cpu_.allows_operational(); }
   void emergency_received(const canopen::Emergency& message, can::Time now) override;
   void emergency_raised(const canopen::Emergency& message, can::Time now) override;
   void rpdo_received(std::uint16_t number, can::Time now) override;
@@ -44,8 +44,8 @@ class NodeEvents final : public canopen::NodeListener, public canopen::ObjectHan
   canopen::AbortCode before_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
                                   std::span<const std::uint8_t> value, can::Time now) override;
 
-  ModuleParts& parts_;
-  CpuSide& cpu_;
+  ModuleContext& parts_;
+  CpuStateHandler& cpu_;
   bool clear_concise_dcfs_ = false;
 };
 

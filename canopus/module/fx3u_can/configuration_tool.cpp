@@ -2,26 +2,26 @@
 
 #include "canopus/module/fx3u_can/configuration_tool.hpp"
 
-#include "canopus/module/intelligent/window_fields.hpp"
+#include "canopus/module/q_iqr/window_fields.hpp"
 
 namespace canopus::module::fx3u_can {
 namespace {
 
 constexpr std::array fx3u_basic{
     SettingField{.name = "Module number",
-          .unit = "",
-          .highest = 16,
-          .description = "0 to 7 behind an FX3, 1 to 16 behind an FX5"},
+                 .unit = "",
+                 .highest = 16,
+                 .description = "0 to 7 behind an FX3, 1 to 16 behind an FX5"},
     window_fields::function_mode,
     window_fields::node_id,
     window_fields::baud_rate,
     SettingField{.name = "FROM/TO Watchdog",
-          .unit = "ms",
-          .highest = 65530,
-          .factory = 200,
-          .place = window_fields::word_at(26, 10),
-          .step = 10,
-          .description = "how long the program may leave the module alone; 0: for ever"},
+                 .unit = "ms",
+                 .highest = 65530,
+                 .factory = 200,
+                 .place = window_fields::word_at(26, 10),
+                 .step = 10,
+                 .description = "how long the program may leave the module alone; 0: for ever"},
     window_fields::sdo_timeout,
 };
 constexpr std::array<std::string_view, 3> fx3u_priorities{"High", "Medium",
@@ -31,10 +31,10 @@ constexpr std::array fx3u_lists = window_fields::windows_of_lists(80, fx3u_maste
 
 constexpr std::array fx3u_windows{
     SettingWindow{.word = "basic",
-           .title = "CANopen Configuration: Module basic settings",
-           .key = "",
-           .fields = fx3u_basic,
-           .part = "basic"},
+                  .title = "CANopen Configuration: Module basic settings",
+                  .key = "",
+                  .fields = fx3u_basic,
+                  .part = "basic"},
     fx3u_lists[0],
     fx3u_lists[1],
     fx3u_lists[2],
@@ -68,7 +68,8 @@ std::string buffer_name(const BufferObjects& objects, std::uint32_t object, std:
       window_fields::joined("BFM Area ", objects.type, " (PLC ", to ? "write" : "read", " access), BFM#");
   if (objects.bits == 8) {
     if (number >= 2 * words) return {};
-    return window_fields::joined(head, base + number / 2, number % 2 == 0 ? " L" : " H", "Byte (", direction, ")");
+    return window_fields::joined(head, base + number / 2, number % 2 == 0 ? " L" : " H", "Byte (", direction,
+                                 ")");
   }
   if (objects.bits == 16) {
     if (number >= words) return {};
@@ -97,8 +98,8 @@ std::string fx3u_object_name(std::uint32_t mapping_entry) {
 }  // namespace
 
 constinit const ConfigurationTool configuration_tool{.model = "FX3U-CAN",
-                                   .windows = fx3u_windows,
-                                   .request_method = RequestMethod::words,
-                                   .object_name = fx3u_object_name};
+                                                     .windows = fx3u_windows,
+                                                     .request_method = RequestMethod::words,
+                                                     .object_name = fx3u_object_name};
 
 }  // namespace canopus::module::fx3u_can

@@ -7,7 +7,7 @@
 #include "canopus/module/areas/lift.hpp"
 #include "canopus/module/fx3u_can/buffer_table.hpp"
 #include "canopus/module/fx3u_can/object_table.hpp"
-#include "canopus/module/intelligent/network_side.hpp"
+#include "canopus/module/q_iqr/canopen_options.hpp"
 
 namespace canopus::module::fx3u_can {
 
@@ -166,7 +166,7 @@ std::shared_ptr<const canopen::DictionaryDescription> lift_dictionary() {
     exchange.words = 4;
     exchange.pdos = 1;
     const std::vector<ObjectRow> rows = make_rows();
-    return intelligent::make_dictionary(
+    return q_iqr::make_dictionary(
         identity, {.exchange = exchange, .rpdo_timers = true, .predefined_pdos = false, .more = rows});
   }();
   return description;

@@ -7,7 +7,7 @@
 #include "canopus/module/fx3u_can/data_sheet.hpp"
 #include "canopus/module/fx3u_can/lift_table.hpp"
 #include "canopus/module/fx3u_can/object_table.hpp"
-#include "canopus/module/intelligent/network_side.hpp"
+#include "canopus/module/q_iqr/canopen_options.hpp"
 
 namespace canopus::module::fx3u_can {
 
@@ -16,7 +16,7 @@ namespace {
 namespace emcy_code = canopen::emcy_code;
 
 canopen::NodeOptions node_options() {
-  canopen::NodeOptions options = intelligent::node_options();
+  canopen::NodeOptions options = q_iqr::node_options();
   options.rpdo_timer_for_events_alone = true;
   options.rpdo_time_out_names_pdo = true;
   options.sync_length_error = emcy_code::sync_length;
@@ -152,7 +152,7 @@ constexpr EmergencyRows emergencies{
 };
 
 manager::MasterOptions master_options() {
-  manager::MasterOptions options = intelligent::master_options();
+  manager::MasterOptions options = q_iqr::master_options();
   options.commands_show_all_nodes = true;
   return options;
 }
@@ -228,10 +228,10 @@ constinit const ModuleModel model{
          .node_address = 27},
     .cpu = {.stop_ends_master = true, .stop_at_start_counts = true, .stop_ends_layer2 = true},
     .object_dictionary = object_dictionary,
-    .node_id_defaults = intelligent::set_detect_cycle,
+    .node_id_defaults = q_iqr::set_detect_cycle,
     .node_options = node_options,
     .master_options = master_options,
-    .configuration_options = intelligent::configuration_options,
+    .configuration_options = q_iqr::configuration_options,
     .faulty_mapping_keeps_initializing = true,
     .restore_clears_files_at_once = true,
     .layer2_deletes_objects = true,

@@ -6,7 +6,7 @@ namespace canopus::module::fx3u_can {
 
 std::shared_ptr<const canopen::DictionaryDescription> object_dictionary() {
   static const auto description =
-      intelligent::make_dictionary(identity, {.exchange = exchange_layout, .rpdo_timers = true});
+      q_iqr::make_dictionary(identity, {.exchange = exchange_layout, .rpdo_timers = true});
   return description;
 }
 

@@ -5,11 +5,11 @@
 
 #include <array>
 
-#include "canopus/module/intelligent/words.hpp"
+#include "canopus/module/q_iqr/words.hpp"
 
 namespace canopus::module::me3can1_q {
 
-using namespace intelligent;
+using namespace q_iqr;
 
 inline constexpr BufferAddress refused_write = 40;
 inline constexpr ValueRange no_value = between(1, 0);  // every write is an error

@@ -4,11 +4,11 @@
 
 #include "canopus/canopen/service/emcy_code.hpp"
 #include "canopus/module/engine/signal_port.hpp"
-#include "canopus/module/intelligent/network_side.hpp"
-#include "canopus/module/intelligent/program_side.hpp"
 #include "canopus/module/me3can1_q/buffer_table.hpp"
 #include "canopus/module/me3can1_q/data_sheet.hpp"
 #include "canopus/module/me3can1_q/object_table.hpp"
+#include "canopus/module/q_iqr/canopen_options.hpp"
+#include "canopus/module/q_iqr/plc_interface.hpp"
 
 namespace canopus::module::me3can1_q {
 
@@ -77,7 +77,7 @@ constinit const ModuleModel model{
     .signals = signals,
     .leds = leds,
     .emergencies = emergencies,
-    .settings = intelligent::settings,
+    .settings = q_iqr::settings,
     .status = StatusWordsLayout{.communication_status = g::communication_status,
                                 .bits = communication_status,
                                 .transmit_errors = g::transmit_errors,
@@ -91,18 +91,18 @@ constinit const ModuleModel model{
                                               .process_data = 1U << 8,
                                               .emergencies = 1U << 12,
                                               .running = 1U << 8},
-    .emergency_buffer = intelligent::emergency_buffer,
-    .nmt_status = intelligent::nmt_status,
-    .network_settings = intelligent::network_settings,
+    .emergency_buffer = q_iqr::emergency_buffer,
+    .nmt_status = q_iqr::nmt_status,
+    .network_settings = q_iqr::network_settings,
     .time_stamp = TimeStampLayout{.first = g::time_stamp, .two_digit_year = true},
-    .command = intelligent::command,
+    .command = q_iqr::command,
     .layer2 = layer2_layout,
-    .program_interface = intelligent::program_interface,
+    .program_interface = q_iqr::program_interface,
     .object_dictionary = object_dictionary,
-    .node_id_defaults = intelligent::set_detect_cycle,
-    .node_options = intelligent::node_options,
-    .master_options = intelligent::master_options,
-    .configuration_options = intelligent::configuration_options,
+    .node_id_defaults = q_iqr::set_detect_cycle,
+    .node_options = q_iqr::node_options,
+    .master_options = q_iqr::master_options,
+    .configuration_options = q_iqr::configuration_options,
     .faulty_mapping_keeps_initializing = true,
     .layer2_deletes_objects = true,
 };

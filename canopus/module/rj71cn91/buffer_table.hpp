@@ -4,11 +4,11 @@
 
 #include <array>
 
-#include "canopus/module/intelligent/words.hpp"
+#include "canopus/module/q_iqr/words.hpp"
 
 namespace canopus::module::rj71cn91 {
 
-using namespace intelligent;
+using namespace q_iqr;
 
 // clang-format off
 inline constexpr std::array buffer_table = std::to_array<BufferRow>({

@@ -2,18 +2,18 @@
 
 #include "canopus/module/rj71cn91/configuration_tool.hpp"
 
-#include "canopus/module/intelligent/window_fields.hpp"
+#include "canopus/module/q_iqr/window_fields.hpp"
 
 namespace canopus::module::rj71cn91 {
 namespace {
 
 constexpr std::array rj71_basic{
     SettingField{.name = "Module address",
-          .unit = "",
-          .highest = 0xFE0,
-          .step = 0x10,
-          .hexadecimal = true,
-          .description = "start I/O number of the module"},
+                 .unit = "",
+                 .highest = 0xFE0,
+                 .step = 0x10,
+                 .hexadecimal = true,
+                 .description = "start I/O number of the module"},
     window_fields::function_mode,
     window_fields::node_id,
     window_fields::baud_rate,
@@ -26,24 +26,25 @@ constexpr std::array rj71_lists = window_fields::windows_of_lists(256, rj71_mast
 constexpr std::array<std::string_view, 2> download_targets{"CPU module", "Target node"};
 constexpr std::array rj71_nodes{
     SettingField{.name = "Download target",
-          .unit = "",
-          .highest = 1,
-          .words = download_targets,
-          .description = "CPU module: the configuration manager brings it the settings, 60 nodes at most; "
-                         "Target node: they are written through the module; this module: CPU module"},
+                 .unit = "",
+                 .highest = 1,
+                 .words = download_targets,
+                 .description =
+                     "CPU module: the configuration manager brings it the settings, 60 nodes at most; "
+                     "Target node: they are written through the module; this module: CPU module"},
 };
 
 constexpr std::array rj71_windows{
     SettingWindow{
         .word = "basic", .title = "CANopen Configuration", .key = "", .fields = rj71_basic, .part = "basic"},
     SettingWindow{.word = "node",
-           .title = "CANopen node list",
-           .key = "Node ID",
-           .most_key = 127,
-           .most_rows = 127,
-           .fields = rj71_nodes,
-           .part = "",
-           .name_field = "Node name"},
+                  .title = "CANopen node list",
+                  .key = "Node ID",
+                  .most_key = 127,
+                  .most_rows = 127,
+                  .fields = rj71_nodes,
+                  .part = "",
+                  .name_field = "Node name"},
     rj71_lists[0],
     rj71_lists[1],
     rj71_lists[2],
@@ -96,8 +97,8 @@ std::string rj71_object_name(std::uint32_t mapping_entry) {
 }  // namespace
 
 constinit const ConfigurationTool configuration_tool{.model = "RJ71CN91",
-                                   .windows = rj71_windows,
-                                   .request_method = RequestMethod::signals,
-                                   .object_name = rj71_object_name};
+                                                     .windows = rj71_windows,
+                                                     .request_method = RequestMethod::signals,
+                                                     .object_name = rj71_object_name};
 
 }  // namespace canopus::module::rj71cn91

@@ -5,8 +5,8 @@
 
 #include "canopus/canopen/service/emcy_code.hpp"
 #include "canopus/module/engine/signal_port.hpp"
-#include "canopus/module/intelligent/network_side.hpp"
-#include "canopus/module/intelligent/program_side.hpp"
+#include "canopus/module/q_iqr/canopen_options.hpp"
+#include "canopus/module/q_iqr/plc_interface.hpp"
 #include "canopus/module/rj71cn91/buffer_table.hpp"
 #include "canopus/module/rj71cn91/data_sheet.hpp"
 #include "canopus/module/rj71cn91/event_table.hpp"
@@ -69,7 +69,7 @@ constexpr EmergencyRows emergencies{
 
 // [RJ71CN91 1.7, App. 3 1003H]
 canopen::NodeOptions node_options() {
-  canopen::NodeOptions options = intelligent::node_options();
+  canopen::NodeOptions options = q_iqr::node_options();
   options.profile_event_transmission_type = true;
   options.empty_history_reads_zero = false;
   options.errors_end_with_history = true;
@@ -80,7 +80,7 @@ canopen::NodeOptions node_options() {
 
 // [RJ71CN91 1.2 NMT slave identification]
 manager::MasterOptions master_options() {
-  manager::MasterOptions options = intelligent::master_options();
+  manager::MasterOptions options = q_iqr::master_options();
   options.revision_rule = manager::RevisionRule::same_major_newer_minor;
   options.slaves_request_nmt = true;
   options.time_out_ends_activity = true;
@@ -101,7 +101,7 @@ constinit const ModuleModel model{
     .emergencies = emergencies,
     .settings =
         [] {
-          SettingsLayout layout = intelligent::settings;
+          SettingsLayout layout = q_iqr::settings;
           layout.saves_offline_only = true;
           return layout;
         }(),
@@ -121,21 +121,21 @@ constinit const ModuleModel model{
                                               .emergencies = 1U << 12,
                                               .reads_choice = true,
                                               .waits_for_operational = false},
-    .emergency_buffer = intelligent::emergency_buffer,
+    .emergency_buffer = q_iqr::emergency_buffer,
     .nmt_status =
         [] {
-          NmtStatusLayout layout = intelligent::nmt_status;
+          NmtStatusLayout layout = q_iqr::nmt_status;
           layout.shows_guarding_master = true;
           return layout;
         }(),
-    .network_settings = intelligent::network_settings,
+    .network_settings = q_iqr::network_settings,
     .time_stamp =
         TimeStampLayout{
             .first = g::time_stamp, .first_year = 2000, .role_with_clock = true, .late_time_is_first = true},
     // [RJ71CN91 1.3, App. 2 CIF] How long a frame may wait is not printed.
     .command =
         [] {
-          CommandLayout layout = intelligent::command;
+          CommandLayout layout = q_iqr::command;
           layout.skips_empty_records = true;
           layout.no_such_node = canopen::AbortCode::command_specifier;
           layout.frame_time_out = std::chrono::seconds(1);
@@ -154,14 +154,14 @@ constinit const ModuleModel model{
                      .offline_is_silent = true,
                      .saves_transmit_slots = true,
                      .rate_of_cycles = g::baud_rate},
-    .program_interface = intelligent::program_interface,
+    .program_interface = q_iqr::program_interface,
     .diagnostics = {.events = event_table, .errors = error_table},
     .cpu = {.stop_ends_master = true, .stop_at_start_counts = true, .run_ends_error = true},
     .object_dictionary = object_dictionary,
-    .node_id_defaults = intelligent::set_detect_cycle,
+    .node_id_defaults = q_iqr::set_detect_cycle,
     .node_options = node_options,
     .master_options = master_options,
-    .configuration_options = intelligent::configuration_options,
+    .configuration_options = q_iqr::configuration_options,
     .takes_parameters = true,
 };
 

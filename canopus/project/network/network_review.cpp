@@ -105,36 +105,36 @@ class Review {
     }
   }
 
-  struct Seat {
+  struct ActivePdo {
     const ProjectNode* node;
     const Pdo* pdo;
   };
 
   /// Each RPDO and the sender of its frame.
   void process_data() {
-    std::multimap<std::uint32_t, Seat> senders;
-    for_each_active(true, [&](Seat seat) {
-      const auto [begin, end] = senders.equal_range(seat.pdo->cob_id.key());
+    std::multimap<std::uint32_t, ActivePdo> senders;
+    for_each_active(true, [&](ActivePdo pdo) {
+      const auto [begin, end] = senders.equal_range(pdo.pdo->cob_id.key());
       for (auto other = begin; other != end; ++other) {
         // A plant reports two senders as well.
-        if (other->second.node != seat.node) continue;
+        if (other->second.node != pdo.node) continue;
         report(
-            Severity::error, *seat.node, seat.pdo->communication_index(),
+            Severity::error, *pdo.node, pdo.pdo->communication_index(),
             fmt::format("{} and {} have {} both: receivers cannot distinguish them; give one another CAN-ID",
-                        other->second.pdo->name(), seat.pdo->name(), describe_can_id(seat.pdo->cob_id)));
+                        other->second.pdo->name(), pdo.pdo->name(), describe_can_id(pdo.pdo->cob_id)));
       }
-      senders.emplace(seat.pdo->cob_id.key(), seat);
+      senders.emplace(pdo.pdo->cob_id.key(), pdo);
     });
     std::map<std::uint32_t, unsigned> taken;
-    for_each_active(false, [&](Seat seat) {
-      ++taken[seat.pdo->cob_id.key()];
-      const auto [begin, end] = senders.equal_range(seat.pdo->cob_id.key());
+    for_each_active(false, [&](ActivePdo pdo) {
+      ++taken[pdo.pdo->cob_id.key()];
+      const auto [begin, end] = senders.equal_range(pdo.pdo->cob_id.key());
       if (begin == end) {
-        report(Severity::note, *seat.node, seat.pdo->communication_index(),
-               fmt::format("{} waits for {}, which no node of the project sends", seat.pdo->name(),
-                           describe_can_id(seat.pdo->cob_id)));
+        report(Severity::note, *pdo.node, pdo.pdo->communication_index(),
+               fmt::format("{} waits for {}, which no node of the project sends", pdo.pdo->name(),
+                           describe_can_id(pdo.pdo->cob_id)));
       }
-      for (auto sender = begin; sender != end; ++sender) compare(sender->second, seat);
+      for (auto sender = begin; sender != end; ++sender) compare(sender->second, pdo);
     });
     for (const auto& [key, sender] : senders) {
       if (taken.contains(key)) continue;
@@ -149,29 +149,30 @@ class Review {
     for (const ProjectNode& node : project_.nodes()) {
       if (!node.listed.present) continue;
       for (const Pdo& pdo : node.pdos) {
-        if (pdo.transmit == transmit && pdo.is_active()) visit(Seat{&node, &pdo});
+        if (pdo.transmit == transmit && pdo.is_active()) visit(ActivePdo{&node, &pdo});
       }
     }
   }
 
-  void compare(Seat sender, Seat taker) {
+  void compare(ActivePdo sender, ActivePdo consumer) {
     const std::string who = fmt::format("{} of {}", sender.pdo->name(), sender.node->shown_name());
-    if (taker.pdo->length() > sender.pdo->length()) {
+    if (consumer.pdo->length() > sender.pdo->length()) {
       return report(
-          Severity::error, *taker.node, taker.pdo->mapping_index(),
+          Severity::error, *consumer.node, consumer.pdo->mapping_index(),
           fmt::format("{} maps {} bytes, but {} sends {} with {}: a frame that is too short is not taken "
                       "(EMCY 8210H); map fewer objects here or more there",
-                      taker.pdo->name(), taker.pdo->length(), who, sender.pdo->length(),
+                      consumer.pdo->name(), consumer.pdo->length(), who, sender.pdo->length(),
                       describe_can_id(sender.pdo->cob_id)));
     }
     unsigned bit = 0;
-    for (const MappedObject& object : taker.pdo->mapping) {
-      if (!object.is_dummy()) compare(sender, taker, object, bit, who);
+    for (const MappedObject& object : consumer.pdo->mapping) {
+      if (!object.is_dummy()) compare(sender, consumer, object, bit, who);
       bit += object.bits;
     }
   }
 
-  void compare(Seat sender, Seat taker, const MappedObject& object, unsigned bit, const std::string& who) {
+  void compare(ActivePdo sender, ActivePdo consumer, const MappedObject& object, unsigned bit,
+               const std::string& who) {
     unsigned sent_bit = 0;
     const MappedObject* sent = nullptr;
     for (const MappedObject& one : sender.pdo->mapping) {
@@ -185,21 +186,21 @@ class Review {
     const std::string own_name = eds::object_name(object.index, object.sub);
     const std::string sent_name = eds::object_name(sent->index, sent->sub);
     if (sent_bit != bit || sent->bits != object.bits) {
-      return report(Severity::warning, *taker.node, taker.pdo->mapping_index(),
+      return report(Severity::warning, *consumer.node, consumer.pdo->mapping_index(),
                     fmt::format("{} takes bits {} to {} as {}, but there {} has {} in bits {} to {}",
-                                taker.pdo->name(), bit, bit + object.bits - 1, own_name, who, sent_name,
+                                consumer.pdo->name(), bit, bit + object.bits - 1, own_name, who, sent_name,
                                 sent_bit, sent_bit + sent->bits - 1));
     }
     const auto type = [](const ProjectNode& node, const MappedObject& one) {
       const canopen::Entry entry = node.device->dictionary->find(one.index, one.sub);
       return entry ? entry.description->type : canopen::DataType::none;
     };
-    const canopen::DataType own_type = type(*taker.node, object);
+    const canopen::DataType own_type = type(*consumer.node, object);
     const canopen::DataType sent_type = type(*sender.node, *sent);
     if (own_type == canopen::DataType::none || sent_type == canopen::DataType::none || own_type == sent_type)
       return;
-    report(Severity::note, *taker.node, taker.pdo->mapping_index(),
-           fmt::format("{}: {} is {}, and {} of {} that it gets is {}", taker.pdo->name(), own_name,
+    report(Severity::note, *consumer.node, consumer.pdo->mapping_index(),
+           fmt::format("{}: {} is {}, and {} of {} that it gets is {}", consumer.pdo->name(), own_name,
                        eds::name(own_type), sent_name, who, eds::name(sent_type)));
   }
 

@@ -117,12 +117,12 @@ void WebServer::Connection::look_at_request(WebAnswer result) {
   switch (result.next) {
     case WebNext::log_in: return log_in(form);
     case WebNext::log_out: {
-      const WebGate::Client client{.address = address_, .name = name()};
+      const Authenticator::Client client{.address = address_, .name = name()};
       return answer(parts_.gate->log_out(form, session_.get(), client, parts_.place));
     }
     case WebNext::session: {
       const bool has_body = result.has_body;
-      result = WebGate::described(session_.get());
+      result = Authenticator::described(session_.get());
       result.has_body = has_body;
       return answer(result);
     }
@@ -206,7 +206,7 @@ void WebServer::Connection::upgrade() {
     self->state_ = State::watches;
     self->parts_.watch();
     if (self->is_closed()) return;  // the run ended on the way there
-    for (const WebOutbox::Text& event : self->parts_.latest) self->outbox_.add_event(event);
+    for (const SendQueue::Text& event : self->parts_.latest) self->outbox_.add_event(event);
     self->listen();
     self->parts_.show_state();
   });
@@ -220,7 +220,7 @@ void WebServer::Connection::listen() {
     if (error) return self->end();
     self->heard_at_ = WebTime::now();
     const auto bytes = self->message_.cdata();
-    if (auto wish = read_wish({static_cast<const char*>(bytes.data()), bytes.size()}))
+    if (auto wish = parse_client_message({static_cast<const char*>(bytes.data()), bytes.size()}))
       self->heard(std::move(*wish));
     self->message_.clear();
     self->message_.shrink_to_fit();  // a device file may be 2 MiB
@@ -228,7 +228,7 @@ void WebServer::Connection::listen() {
   });
 }
 
-void WebServer::Connection::heard(WebWish wish) {
+void WebServer::Connection::heard(ClientMessage wish) {
   if (session_) session_->used = WebTime::now();
   if (wish.messages) wants_messages_ = *wish.messages;
   if (wish.views) views_ = std::move(*wish.views);

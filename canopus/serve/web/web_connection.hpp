@@ -14,12 +14,12 @@
 #include <boost/beast/websocket/stream.hpp>
 
 #include "canopus/link/tcp_clients.hpp"
+#include "canopus/serve/web/client_message.hpp"
+#include "canopus/serve/web/send_queue.hpp"
 #include "canopus/serve/web/web_frames.hpp"
 #include "canopus/serve/web/web_limits.hpp"
-#include "canopus/serve/web/web_outbox.hpp"
 #include "canopus/serve/web/web_request.hpp"
 #include "canopus/serve/web/web_server.hpp"
-#include "canopus/serve/web/web_wish.hpp"
 
 namespace canopus::serve {
 
@@ -43,11 +43,11 @@ class WebServer::Connection : public link::TcpClient<Connection> {
   }
   [[nodiscard]] bool wants_messages() const noexcept { return watches() && wants_messages_; }
 
-  void add_event(const WebOutbox::Text& event) { outbox_.add_event(event); }
-  void set_state(const WebOutbox::Text& state) { outbox_.set_state(state); }
-  void set_messages(const WebOutbox::Text& messages) { outbox_.set_messages(messages); }
+  void add_event(const SendQueue::Text& event) { outbox_.add_event(event); }
+  void set_state(const SendQueue::Text& state) { outbox_.set_state(state); }
+  void set_messages(const SendQueue::Text& messages) { outbox_.set_messages(messages); }
   [[nodiscard]] const std::vector<std::string>& views() const noexcept { return views_; }
-  void set_view(std::size_t number, const WebOutbox::Text& view) { outbox_.set_view(number, view); }
+  void set_view(std::size_t number, const SendQueue::Text& view) { outbox_.set_view(number, view); }
 
   /// Sends what waits, when nothing is under way.
   void send();
@@ -74,7 +74,7 @@ class WebServer::Connection : public link::TcpClient<Connection> {
   void drain();
   void upgrade();
   void listen();
-  void heard(WebWish wish);
+  void heard(ClientMessage wish);
   void reply(std::string event);
   [[nodiscard]] link::Hold hold() const noexcept;
 
@@ -82,7 +82,7 @@ class WebServer::Connection : public link::TcpClient<Connection> {
 
   Parts& parts_;
   boost::beast::websocket::stream<WebClientSocket> stream_;
-  WebOutbox outbox_;
+  SendQueue outbox_;
   WebUser user_;
   link::InternetAddress address_;
   std::optional<WebRequest> request_;

@@ -10,8 +10,8 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "canopus/link/tcp_clients.hpp"
-#include "canopus/serve/web/web_gate.hpp"
-#include "canopus/serve/web/web_outbox.hpp"
+#include "canopus/serve/web/authenticator.hpp"
+#include "canopus/serve/web/send_queue.hpp"
 #include "canopus/serve/web/web_server.hpp"
 
 namespace canopus::serve {
@@ -22,12 +22,12 @@ struct WebServer::Parts : std::enable_shared_from_this<Parts> {
       : clock(the_clock),
         use(std::move(the_use)),
         options(the_options),
-        gate(std::make_shared<WebGate>(io, options.gate,
-                                       WebGate::Use{.note = use.note,
-                                                    .report =
-                                                        [the_report](const std::string& said) {
-                                                          if (the_report) the_report(said);
-                                                        }})),
+        gate(std::make_shared<Authenticator>(io, options.gate,
+                                             Authenticator::Use{.note = use.note,
+                                                                .report =
+                                                                    [the_report](const std::string& said) {
+                                                                      if (the_report) the_report(said);
+                                                                    }})),
         clients(io,
                 {.allowed = gate->has_users() ? everybody() : link::AllowList(),
                  .most = the_options.maximum_clients},
@@ -50,7 +50,7 @@ struct WebServer::Parts : std::enable_shared_from_this<Parts> {
   link::LoopClock& clock;
   Use use;
   WebServerOptions options;
-  std::shared_ptr<WebGate> gate;
+  std::shared_ptr<Authenticator> gate;
   link::TcpClients<Connection> clients;
   WebPlace place;
   WebEventList latest;  // for newcomers

@@ -99,7 +99,7 @@ void WebServer::Parts::show_messages() {
 /// What several look at is made once, and of all that they look at not so much at a time that it would delay the plant.
 void WebServer::Parts::show_views() {
   if (!use.view) return;
-  std::map<std::string_view, WebOutbox::Text> made;
+  std::map<std::string_view, SendQueue::Text> made;
   for (std::size_t turn = 0; turn < clients.size(); ++turn) {
     if (made.size() >= options.most_views) break;
     const auto& connection = clients.all()[++first_viewer % clients.size()];

@@ -20,7 +20,7 @@
 
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/link/peer.hpp"
-#include "canopus/serve/web/web_gate.hpp"
+#include "canopus/serve/web/authenticator.hpp"
 #include "canopus/serve/web/web_user.hpp"
 
 namespace canopus::serve {

@@ -269,7 +269,7 @@ void Bus::Impl::begin(FaultPlan::TimedFault& timed, can::Time now) {
 }
 
 void Bus::Impl::set_babble(BusPort& port, const FaultPlan::TimedFault& timed) {
-  port.segment->keep_offer(port);
+  port.segment->snapshot_pending(port);
   port.babbling = true;
   port.babble_always = timed.fault.interval == can::Duration{};
   port.babble = timed.fault.frame;
@@ -299,7 +299,7 @@ void Bus::Impl::end(FaultPlan::TimedFault& timed, can::Time now) {
     }
     switch (timed.fault.kind) {
       case FaultKind::babble:
-        port->segment->keep_offer(*port);
+        port->segment->snapshot_pending(*port);
         port->babbling = port->babble_due = false;
         port->segment->offer_changed(*port);
         break;

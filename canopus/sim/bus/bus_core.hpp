@@ -167,14 +167,14 @@ class alignas(64) BusPort final : public Port {
     last_attempt = single_shot;
   }
   /// Keeps what it offers now, which is what it offered when the frame with this number began.
-  void keep_offer(std::uint64_t frame_number) noexcept {
+  void snapshot_pending(std::uint64_t frame_number) noexcept {
     kept = {.frame_number = frame_number, .offered = offers()};
     if (!kept.offered) return;
     kept.is_babble = babble_goes_first();
     kept.frame = kept.is_babble ? babble : queue.front();
   }
   /// It is on the wire with what it offered then.
-  void take_kept() noexcept {
+  void restore_pending() noexcept {
     sends_babble = kept.is_babble;
     current = kept.frame;
     sending = true;
@@ -186,7 +186,7 @@ class alignas(64) BusPort final : public Port {
     }
   }
   /// What was on the wire has failed or lost and waits again.
-  void give_back() noexcept {
+  void requeue() noexcept {
     if (sends_babble) {
       babble_due = babbling;
     } else if (!last_attempt) {
@@ -240,14 +240,14 @@ class alignas(64) BusPort final : public Port {
   bool sends_babble = false;  // `current` is one
   bool jammed = false;        // by a fault: received frames are held
   // What it offered when a frame of others began that was computed as a whole, if that has changed since.
-  struct Kept {
+  struct PendingSnapshot {
     std::uint64_t frame_number = 0;
     bool offered = false;
     bool is_babble = false;
     bool is_aborted = false;
     can::Frame frame{};
   };
-  Kept kept;
+  PendingSnapshot kept;
   can::Listener* participant = nullptr;
   can::Duration bit_length;  // at this rate
   std::uint32_t rate;
@@ -279,7 +279,7 @@ class alignas(64) BusPort final : public Port {
   Acceptance accepted{.base = {}, .extended = false};  // as in core.acceptance
 
   // For the segment, while it works bit by bit.
-  struct Tap {
+  struct BitPhase {
     can::Time bit_start{};
     can::Time next = can::never;     // sample point or start of the next bit
     bool sampling = false;           // `next` is a sample point
@@ -303,7 +303,7 @@ class alignas(64) BusPort final : public Port {
     unsigned lost_at = WireFrame::Sender::won;  // where it lost arbitration to the frame that it receives now
   };
   BitController bits{faults};
-  Tap tap;
+  BitPhase tap;
   BusPort* spokesman = nullptr;  // goes through the bits for this one, see segment_together.cpp
 
  private:

@@ -39,7 +39,7 @@ bool BusPort::send_with_faults(const can::Frame& frame) {
 }
 
 bool BusPort::enqueue(const can::Frame& frame) {
-  segment->keep_offer(*this);
+  segment->snapshot_pending(*this);
   if (!powered || listen_only || !queue.push(frame, sending ? 1 : 0)) {
     ++refused;
     return false;
@@ -87,7 +87,7 @@ void BusPort::abort_transmissions() {
 
 /// Of what waits nothing is sent again, not even what is in arbitration.
 void BusPort::forget_queue() {
-  segment->keep_offer(*this);
+  segment->snapshot_pending(*this);
   kept.is_aborted = true;
   last_attempt = sending && !sends_babble;
 }

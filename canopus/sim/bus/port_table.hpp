@@ -20,7 +20,7 @@ class AcceptanceTable {
  public:
   static constexpr std::size_t extended_row = 2048;
   static constexpr std::size_t every_base_row = 2049;
-  static constexpr std::uint16_t nobody = 0xFFFF;
+  static constexpr std::uint16_t no_port = 0xFFFF;
 
   /// A set of ports, 64 to a word.
   class Ports {
@@ -43,16 +43,16 @@ class AcceptanceTable {
   }
   /// The ports that accept a frame where they are at most two, as with nearly all PDOs: the consumer, and the producer
   /// itself, which may be asked for it.
-  struct Few {
+  struct Receivers {
     bool are_known = false;  ///< no: see ports_for()
-    std::uint16_t first = nobody;
-    std::uint16_t second = nobody;  ///< higher than the first
+    std::uint16_t first = no_port;
+    std::uint16_t second = no_port;  ///< higher than the first
   };
-  [[nodiscard]] Few few_for(const can::Frame& frame) noexcept {
+  [[nodiscard]] Receivers cached_receivers(const can::Frame& frame) noexcept {
     if (frame.extended) return {};
     const std::size_t identifier = frame.identifier & can::max_base_identifier;
-    Looked& looked = looked_[identifier];
-    if (looked.first == not_looked) {
+    Cache& looked = looked_[identifier];
+    if (looked.first == not_cached) {
       looked = look_for_few(identifier);
       has_looked_ = true;
     }
@@ -79,21 +79,21 @@ class AcceptanceTable {
     for (std::size_t identifier = changed._Find_first(); identifier < changed.size();
          identifier = changed._Find_next(identifier)) {
       set(port, identifier, now[identifier]);
-      looked_[identifier].first = not_looked;
+      looked_[identifier].first = not_cached;
     }
     if (former.base.all() != wanted.base.all() && std::exchange(has_looked_, false))
-      std::ranges::fill(looked_, Looked{});
+      std::ranges::fill(looked_, Cache{});
     set(port, every_base_row, wanted.base.all());
     set(port, extended_row, wanted.extended);
   }
 
  private:
   static constexpr std::size_t rows = 2050;
-  static constexpr std::uint16_t not_looked = 0xFFFE;
+  static constexpr std::uint16_t not_cached = 0xFFFE;
   static constexpr std::uint16_t many = 0xFFFD;
-  struct Looked {
-    std::uint16_t first = not_looked;
-    std::uint16_t second = nobody;
+  struct Cache {
+    std::uint16_t first = not_cached;
+    std::uint16_t second = no_port;
   };
 
   [[nodiscard]] const std::uint64_t* row(std::size_t number) const noexcept {
@@ -104,15 +104,15 @@ class AcceptanceTable {
     const std::uint64_t bit = std::uint64_t{1} << (port % 64);
     word = wanted ? word | bit : word & ~bit;
   }
-  [[nodiscard]] Looked look_for_few(std::size_t identifier) const noexcept {
-    Looked few{nobody, nobody};
+  [[nodiscard]] Cache look_for_few(std::size_t identifier) const noexcept {
+    Cache few{no_port, no_port};
     for (std::size_t word = 0; word < words_; ++word) {
       for (std::uint64_t ports = row(identifier)[word] | row(every_base_row)[word]; ports != 0;
            ports &= ports - 1) {
         const auto port =
             static_cast<std::uint16_t>(64 * word + static_cast<std::size_t>(std::countr_zero(ports)));
-        if (few.second != nobody) return {many, nobody};
-        (few.first == nobody ? few.first : few.second) = port;
+        if (few.second != no_port) return {many, no_port};
+        (few.first == no_port ? few.first : few.second) = port;
       }
     }
     return few;
@@ -120,7 +120,7 @@ class AcceptanceTable {
 
   std::size_t words_ = 0;
   std::vector<std::uint64_t> bits_;
-  std::vector<Looked> looked_ = std::vector<Looked>(can::max_base_identifier + 1);  // by identifier
+  std::vector<Cache> looked_ = std::vector<Cache>(can::max_base_identifier + 1);  // by identifier
   bool has_looked_ = false;  // for some, since all were forgotten
 };
 
@@ -142,7 +142,7 @@ class Arbiter {
   }
 
   /// Room for what nodes of CANopen send. To be called before the first set(): nothing is allocated for a frame.
-  void expect_identifiers() { owners_.resize(can::max_base_identifier + 1, nobody); }
+  void expect_identifiers() { owners_.resize(can::max_base_identifier + 1, no_port); }
   void resize(std::size_t ports) {
     offers_.resize(ports, none);
     const std::size_t leaves = std::bit_ceil(std::max<std::size_t>(ports, 1));
@@ -174,7 +174,7 @@ class Arbiter {
   }
 
  private:
-  static constexpr std::uint16_t nobody = 0xFFFF;
+  static constexpr std::uint16_t no_port = 0xFFFF;
   static constexpr unsigned behind_identifier = 21;  // bits of the arbitration value, 0 in a base data frame
   [[nodiscard]] static constexpr bool is_base_data(std::uint64_t key) noexcept {
     return (value_of(key) & ((1U << behind_identifier) - 1)) == 0;
@@ -195,7 +195,7 @@ class Arbiter {
   }
   void put_in(std::size_t port, std::uint64_t new_key) noexcept {
     const std::size_t identifier = identifier_of(new_key);
-    if (!is_base_data(new_key) || owners_[identifier] != nobody) return set_in_tree(port, new_key);
+    if (!is_base_data(new_key) || owners_[identifier] != no_port) return set_in_tree(port, new_key);
     owners_[identifier] = static_cast<std::uint16_t>(port);
     identifiers_[identifier / 64] |= std::uint64_t{1} << identifier % 64;
     words_ |= std::uint32_t{1} << identifier / 64;
@@ -203,7 +203,7 @@ class Arbiter {
   void take_out(std::size_t port, std::uint64_t old_key) noexcept {
     const std::size_t identifier = identifier_of(old_key);
     if (!is_base_data(old_key) || owners_[identifier] != port) return set_in_tree(port, none);
-    owners_[identifier] = nobody;
+    owners_[identifier] = no_port;
     std::uint64_t& word = identifiers_[identifier / 64];
     word &= ~(std::uint64_t{1} << identifier % 64);
     if (word == 0) words_ &= ~(std::uint32_t{1} << identifier / 64);

@@ -124,7 +124,7 @@ void Segment::take_off(BusPort& port) {
   if (port.sending && port.tap.transmitted) {  // complete but for the end of its last bit
     port.confirm = port.complete();
   } else if (port.sending) {
-    port.give_back();
+    port.requeue();
   }
   port.sending = false;
   port.bits.restart(true);
@@ -153,13 +153,13 @@ void Segment::start(can::Time now) {
   // A new state is reported at the sample point that it comes with, within the frame.
   const bool changes_a_controller = healthy_ && counting_ && success_changes_a_controller(port);
   if (faults_.corruptions > 0 || arbiter_.is_lowest_shared() || shows_suspension || changes_a_controller) {
-    port.give_back();
+    port.requeue();
     arbiter_.set(port.index, port.offer());
     return begin_bits(now);
   }
   faults_ready_ = false;
   failed_ = false;
-  sat_out_ = suspended_;
+  suspended_at_sof_ = suspended_;
   if (suspended_ != nullptr) end_suspension();  // it has become a receiver
   transmitter_ = &port;
   frame_number_ = ++core_.frame_number;
@@ -286,7 +286,7 @@ void Segment::fail_lone(can::Time now) {
   const unsigned bits = error_flag_bits + error_delimiter_bits + can::intermission_bits;
   const can::Time end = now + after_sample_point(port.bit()) + can::bit_time(bits, port.rate);
   const can::Time next = passive ? end + can::bit_time(suspend_bits, port.rate) : end;
-  port.give_back();
+  port.requeue();
   arbiter_.set(port.index, port.offer());
   core_.statistics.busy(start_, end, bits_ - after_ack_slot + bits);
   become_idle(next);

@@ -45,8 +45,9 @@ class Segment {
   }
   /// What the port offers is going to change, without before_change(): a frame on the wire that comes to be
   /// replayed has to know what it was.
-  void keep_offer(BusPort& port) noexcept {
-    if (state_ == State::frame && port.kept.frame_number != frame_number_) port.keep_offer(frame_number_);
+  void snapshot_pending(BusPort& port) noexcept {
+    if (state_ == State::frame && port.kept.frame_number != frame_number_)
+      port.snapshot_pending(frame_number_);
   }
   /// It has changed.
   [[gnu::always_inline]] void offer_changed(BusPort& port) {
@@ -119,13 +120,13 @@ class Segment {
   /// An error that the port found now, with its counters as they are.
   void report_error(const BusPort& port, can::BusErrorReport report);
   void deliver(const can::Frame& frame, const BusPort& from, can::Time now) {
-    const AcceptanceTable::Few few = core_.acceptance.few_for(frame);
+    const AcceptanceTable::Receivers few = core_.acceptance.cached_receivers(frame);
     if (!few.are_known) return deliver_to_all(frame, from, now);
     deliver_if_hearing(few.first, frame, from, now);
     deliver_if_hearing(few.second, frame, from, now);
   }
   void deliver_if_hearing(std::size_t number, const can::Frame& frame, const BusPort& from, can::Time now) {
-    if (number != from.index && number != AcceptanceTable::nobody &&
+    if (number != from.index && number != AcceptanceTable::no_port &&
         (hearing_[number / 64] >> number % 64 & 1) != 0)
       deliver_to(number, frame, now);
   }
@@ -201,7 +202,7 @@ class Segment {
   void tell_together(can::Time now);
   void keep_in_step() noexcept;
   void sample_together(can::Time now);
-  void begin_apart(const Sampled& found, can::Time now);
+  void leave_lockstep(const Sampled& found, can::Time now);
   void tell_changes(can::Time now);
   /// It drives nothing any more, as observers hear.
   void fall_silent(BusPort& port);
@@ -221,11 +222,11 @@ class Segment {
   std::uint64_t frame_number_ = 0;          // of the frame on the wire
   std::vector<WireFrame::Sender> senders_;  // of the frame that was told last
   BusPort* transmitter_ = nullptr;
-  Arbiter arbiter_;                // while a frame is on the wire, its port may still be there with it
-  std::uint64_t membership_ = 0;   // how often they were looked for
-  std::vector<BusPort*> members_;  // whoever can do anything to the wire or hear it
-  std::vector<BusPort*> working_;  // of them, bit by bit: those that have no spokesman
-  BusPort* spokesman_ = nullptr;   // of the others
+  Arbiter arbiter_;                     // while a frame is on the wire, its port may still be there with it
+  std::uint64_t membership_ = 0;        // how often they were looked for
+  std::vector<BusPort*> members_;       // whoever can do anything to the wire or hear it
+  std::vector<BusPort*> working_;       // of them, bit by bit: those that have no spokesman
+  BusPort* lockstep_leader_ = nullptr;  // of the others
   /// What observers heard last of those that it goes through the bits for; none: they have just joined.
   struct ToldTogether {
     bool dominant;
@@ -233,7 +234,7 @@ class Segment {
     can::FrameField field;
     friend bool operator==(const ToldTogether&, const ToldTogether&) = default;
   };
-  std::optional<ToldTogether> told_together_;
+  std::optional<ToldTogether> lockstep_reports_;
   bool begun_ = false;                  // somebody has begun to receive a frame
   std::vector<std::uint64_t> hearing_;  // set of members, as in AcceptanceTable
   bool healthy_ = false;                // frames can be computed as a whole
@@ -243,7 +244,7 @@ class Segment {
   can::FaultConfinement faults_before_;  // its counters before that
   BusPort* suspended_ = nullptr;         // passive, and the last to send: not offered to the arbiter ...
   can::Time suspended_until_{};          // ... before this
-  BusPort* sat_out_ = nullptr;           // was suspended when the frame on the wire began
+  BusPort* suspended_at_sof_ = nullptr;  // was suspended when the frame on the wire began
   bool counting_ = false;                // some error counter is not 0
   bool changes_ = false;                 // some port has to be notified of its controller
 

@@ -36,7 +36,7 @@ bool Segment::quiet(can::Time now) const noexcept {
 void Segment::bits_tick(can::Time now, bool may_leave) {
   const bool has_changed = std::exchange(changed_, false);
   complete_frames(now);
-  if (spokesman_ != nullptr && spokesman_->bits.quiet()) part();
+  if (lockstep_leader_ != nullptr && lockstep_leader_->bits.quiet()) part();
   if (!dominant_ && quiet(now)) {
     if (active_) {
       active_ = false;
@@ -70,7 +70,7 @@ void Segment::complete_frames(can::Time now) {
   if (!completing_) return;
   const BusPort* reporter = nullptr;
   for (BusPort* port : members_) {
-    const BusPort::Tap& tap = port->tap;
+    const BusPort::BitPhase& tap = port->tap;
     if ((!tap.transmitted && !tap.received) || tap.next > now || tap.counted) continue;
     if (reporter == nullptr || (tap.transmitted && !reporter->tap.transmitted)) reporter = port;
   }
@@ -164,7 +164,7 @@ void Segment::start_waiting(can::Time now) {
   if (!faults_ready_) {
     faults_ = core_.plan.hits_frames() ? core_.plan.on_frame(*first, first->current, now) : FrameFaults{};
   }
-  if (spokesman_ != nullptr && faults_.corruptions > 0) part();  // it may hit one of them alone
+  if (lockstep_leader_ != nullptr && faults_.corruptions > 0) part();  // it may hit one of them alone
   faults_ready_ = false;
   given_up_ = false;
   error_frame_ = false;
@@ -179,7 +179,7 @@ void Segment::settle(can::Time now) {
   bool dominant = forced_;
   bool asleep = false;  // somebody since now
   for (BusPort* port : working_) {
-    BusPort::Tap& tap = port->tap;
+    BusPort::BitPhase& tap = port->tap;
     if (tap.next == now && !tap.sampling) {
       tap.bit_start = now;
       if (port->bits.idle()) {
@@ -196,7 +196,7 @@ void Segment::settle(can::Time now) {
         tell_driven(*port, now);
         tell_activity(*port, now);
         tell_place(*port, now);
-        if (port == spokesman_) tell_together(now);
+        if (port == lockstep_leader_) tell_together(now);
       }
     }
     if (some_late_ && tap.reaches <= now) tap.reach(tap.reaching_next);
@@ -229,7 +229,7 @@ void Segment::settle(can::Time now) {
     activity_start_ = now;
   }
   for (BusPort* port : working_) synchronise(*port, now);
-  if (spokesman_ != nullptr && spokesman_->tap.received) keep_in_step();
+  if (lockstep_leader_ != nullptr && lockstep_leader_->tap.received) keep_in_step();
 }
 
 /// Whoever is asleep begins to sample.
@@ -244,7 +244,7 @@ void Segment::wake(BusPort& port, can::Time now) {
 /// only if the last sample was recessive. It restarts the bit of whoever waits for a frame, from the second bit of
 /// the intermission on; else it moves it by the jump width at most.
 void Segment::synchronise(BusPort& port, can::Time now) {
-  BusPort::Tap& tap = port.tap;
+  BusPort::BitPhase& tap = port.tap;
   if (tap.sampled || tap.synchronised) return;
   if (tap.next != can::never && tap.bit_start == now) {
     tap.synchronised = true;
@@ -273,7 +273,7 @@ void Segment::synchronise(BusPort& port, can::Time now) {
 }
 
 void Segment::sample(can::Time now) {
-  if (spokesman_ != nullptr && is_sampling(*spokesman_, now)) {
+  if (lockstep_leader_ != nullptr && is_sampling(*lockstep_leader_, now)) {
     sample_together(now);
   } else {
     for (BusPort* port : working_) {
@@ -292,7 +292,7 @@ void Segment::sample_port(BusPort& port, can::Time now) {
 
 /// The port's controller samples its bit.
 Segment::Sampled Segment::look(BusPort& port, can::Time now) {
-  BusPort::Tap& tap = port.tap;
+  BusPort::BitPhase& tap = port.tap;
   Sampled sampled{
       .faults = port.faults, .place = port.bits.place(), .is_transmitter = port.bits.is_transmitter()};
   const bool in_frame = port.bits.state() == BitController::State::frame;
@@ -315,14 +315,14 @@ Segment::Sampled Segment::look(BusPort& port, can::Time now) {
 
 /// What follows from it for the port's queue, its participant and those who watch.
 void Segment::conclude(BusPort& port, const Sampled& sampled, can::Time now) {
-  BusPort::Tap& tap = port.tap;
+  BusPort::BitPhase& tap = port.tap;
   const BitController::Events& events = sampled.events;
   if (events.error != BusError::none) {
     given_up_ = true;
     tap.lost_at = WireFrame::Sender::won;
   }
   if (port.sending && (events.lost || events.error != BusError::none)) {
-    port.give_back();
+    port.requeue();
     arbiter_.set(port.index, port.offer());
   }
   completing_ = completing_ || events.received || events.transmitted;

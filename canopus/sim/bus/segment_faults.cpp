@@ -60,7 +60,7 @@ bool Segment::inverted(const BusPort* at, can::Time now) const noexcept {
 
 /// What a port drives from now on gets onto the wire, if it does, at once or later.
 void Segment::put_on_wire(BusPort& port, can::Time now) {
-  BusPort::Tap& tap = port.tap;
+  BusPort::BitPhase& tap = port.tap;
   const bool dominant = tap.driving && !port.mute;
   if (port.lateness == can::Duration{}) return tap.reach(dominant);
   if (tap.reaches != can::never) tap.reach(tap.reaching_next);  // a bit shorter than the delay

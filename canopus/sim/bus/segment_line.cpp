@@ -14,7 +14,7 @@ void Segment::settle_line(can::Time now, bool has_changed) {
   LineClocks& clocks = *core_.clocks;
   looking_.clear();
   for (BusPort* port : working_) {
-    BusPort::Tap& tap = port->tap;
+    BusPort::BitPhase& tap = port->tap;
     const bool begins = tap.next == now && !tap.sampling;
     if (begins && !clocks.begins_bit(port->index, port->rate, now)) {
       clocks.restart(port->index, port->rate, now);
@@ -38,7 +38,7 @@ void Segment::settle_line(can::Time now, bool has_changed) {
 }
 
 void Segment::begin_bit_on_line(BusPort& port, can::Time now) {
-  BusPort::Tap& tap = port.tap;
+  BusPort::BitPhase& tap = port.tap;
   tap.bit_start = now;
   tap.sampling = !port.bits.idle();
   tap.next = tap.sampling ? core_.clocks->sample_point(port.index) : can::never;
@@ -112,7 +112,7 @@ can::Time Segment::next_look_on_line(can::Time now) const noexcept {
 
 void Segment::look_on_line(BusPort& port, can::Time now) {
   LineClocks& clocks = *core_.clocks;
-  BusPort::Tap& tap = port.tap;
+  BusPort::BitPhase& tap = port.tap;
   const bool dominant = seen_on_line(port, now);
   if (port.bits.idle() && tap.next == can::never) {
     if (!dominant) return;

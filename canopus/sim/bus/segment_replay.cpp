@@ -46,25 +46,26 @@ void Segment::replay(can::Time until) {
   port.tap.frame_start = start_;
   port.tap.next = start_;
   for (BusPort* contender : members_) {
-    if (contender == &port || contender == sat_out_) continue;
-    if (contender->kept.frame_number != frame_number_) contender->keep_offer(frame_number_);
+    if (contender == &port || contender == suspended_at_sof_) continue;
+    if (contender->kept.frame_number != frame_number_) contender->snapshot_pending(frame_number_);
     if (!contender->kept.offered) continue;
     contender->bits.transmit(contender->kept.frame);
     contender->tap.next = contender->tap.frame_start = start_;
   }
-  if (sat_out_ != nullptr) sat_out_->bits.go_on_with_suspension(suspended_bits());
+  if (suspended_at_sof_ != nullptr) suspended_at_sof_->bits.go_on_with_suspension(suspended_bits());
   deadline_ = start_;
   while (deadline_ < until) bits_tick(deadline_);
   for (BusPort* contender : members_) {
-    if (contender != &port && contender->bits.transmitting()) contender->take_kept();
+    if (contender != &port && contender->bits.transmitting()) contender->restore_pending();
   }
   replaying_ = false;
 }
 
-/// How many bits of its suspension sat_out_ had sampled when the frame began.
+/// How many bits of its suspension suspended_at_sof_ had sampled when the frame began.
 unsigned Segment::suspended_bits() const noexcept {
-  const can::Duration bit = sat_out_->bit();
-  const can::Duration since = start_ - (suspended_until_ - can::bit_time(suspend_bits, sat_out_->rate));
+  const can::Duration bit = suspended_at_sof_->bit();
+  const can::Duration since =
+      start_ - (suspended_until_ - can::bit_time(suspend_bits, suspended_at_sof_->rate));
   const can::Duration first = bit - after_sample_point(bit);
   return since <= first ? 0 : 1 + static_cast<unsigned>((since - first - can::Duration(1)) / bit);
 }

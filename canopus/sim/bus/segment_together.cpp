@@ -29,8 +29,8 @@ void count(can::FaultConfinement& faults, BitController::Counted counted) {
 void Segment::follow(BusPort& port) noexcept {
   const BusPort& spokesman = *port.spokesman;
   port.bits.go_to(spokesman.bits);
-  BusPort::Tap& tap = port.tap;
-  const BusPort::Tap& other = spokesman.tap;
+  BusPort::BitPhase& tap = port.tap;
+  const BusPort::BitPhase& other = spokesman.tap;
   tap.bit_start = other.bit_start;
   tap.next = other.next;
   tap.sampling = other.sampling;
@@ -42,8 +42,8 @@ void Segment::follow(BusPort& port) noexcept {
 }
 
 bool Segment::is_in_step(const BusPort& port, const BusPort& other) const noexcept {
-  const BusPort::Tap& one = port.tap;
-  const BusPort::Tap& two = other.tap;
+  const BusPort::BitPhase& one = port.tap;
+  const BusPort::BitPhase& two = other.tap;
   return port.rate == other.rate && port.faults.state() == other.faults.state() &&
          one.bit_start == two.bit_start && one.next == two.next && one.sampling == two.sampling &&
          one.sampled == two.sampled && one.synchronised == two.synchronised && one.driving == two.driving &&
@@ -67,41 +67,41 @@ void Segment::gather() {
   if (somebody_needs_bits()) return;
   bool have_joined = false;
   for (BusPort* port : working_) {
-    if (port == spokesman_ || !may_join(*port)) continue;
-    if (spokesman_ == nullptr) {
-      spokesman_ = port;
-    } else if (is_in_step(*port, *spokesman_)) {
-      port->spokesman = spokesman_;
+    if (port == lockstep_leader_ || !may_join(*port)) continue;
+    if (lockstep_leader_ == nullptr) {
+      lockstep_leader_ = port;
+    } else if (is_in_step(*port, *lockstep_leader_)) {
+      port->spokesman = lockstep_leader_;
       have_joined = true;
     }
   }
   if (have_joined) {
-    told_together_.reset();
+    lockstep_reports_.reset();
     std::erase_if(working_, [](const BusPort* port) { return port->spokesman != nullptr; });
   } else if (working_.size() == members_.size()) {
-    spokesman_ = nullptr;
+    lockstep_leader_ = nullptr;
   }
 }
 
 /// Everybody goes on by itself.
 void Segment::part() {
-  if (spokesman_ == nullptr) return;
+  if (lockstep_leader_ == nullptr) return;
   for (BusPort* port : members_) {
     if (port->spokesman == nullptr) continue;
     follow(*port);
     port->spokesman = nullptr;
   }
-  spokesman_ = nullptr;
+  lockstep_leader_ = nullptr;
   working_ = members_;
 }
 
 /// What observers hear of all for whom the spokesman begins a bit.
 void Segment::tell_together(can::Time now) {
-  const ToldTogether told{.dominant = spokesman_->tap.reaching,
-                          .flagging = spokesman_->bits.flagging(),
-                          .field = spokesman_->bits.field()};
-  if (told_together_ == told) return;
-  told_together_ = told;
+  const ToldTogether told{.dominant = lockstep_leader_->tap.reaching,
+                          .flagging = lockstep_leader_->bits.flagging(),
+                          .field = lockstep_leader_->bits.field()};
+  if (lockstep_reports_ == told) return;
+  lockstep_reports_ = told;
   for (BusPort* port : members_) {
     if (port->spokesman == nullptr) continue;
     follow(*port);
@@ -113,13 +113,13 @@ void Segment::tell_together(can::Time now) {
 
 void Segment::keep_in_step() noexcept {
   for (BusPort* port : members_) {
-    if (port->spokesman != nullptr) port->tap.next = spokesman_->tap.next;
+    if (port->spokesman != nullptr) port->tap.next = lockstep_leader_->tap.next;
   }
 }
 
 /// The spokesman's sample point.
 void Segment::sample_together(can::Time now) {
-  BusPort& spokesman = *spokesman_;
+  BusPort& spokesman = *lockstep_leader_;
   const Sampled found = look(spokesman, now);
   if (found.events == BitController::Events{}) {
     for (BusPort* port : working_) {
@@ -127,7 +127,7 @@ void Segment::sample_together(can::Time now) {
     }
     return;
   }
-  if (found.events.early_start) return begin_apart(found, now);
+  if (found.events.early_start) return leave_lockstep(found, now);
   bool differ = false;
   for (BusPort* port : members_) {
     if (port == &spokesman) {
@@ -153,8 +153,8 @@ void Segment::sample_together(can::Time now) {
 }
 
 /// Somebody's SOF in the last bit of the intermission: whoever has something to send joins in.
-void Segment::begin_apart(const Sampled& found, can::Time now) {
-  BusPort* spokesman = spokesman_;
+void Segment::leave_lockstep(const Sampled& found, can::Time now) {
+  BusPort* spokesman = lockstep_leader_;
   for (BusPort* port : working_) {
     if (port != spokesman && is_sampling(*port, now)) sample_port(*port, now);
   }
@@ -167,7 +167,7 @@ void Segment::begin_apart(const Sampled& found, can::Time now) {
     port->spokesman = nullptr;
   }
   conclude(*spokesman, found, now);
-  spokesman_ = nullptr;
+  lockstep_leader_ = nullptr;
   working_ = members_;
 }
 

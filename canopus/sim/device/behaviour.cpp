@@ -49,7 +49,7 @@ std::uint64_t steps_of(const Behaviour& behaviour) noexcept {
 
 /// Where in its periods a behaviour is at a moment: `place` has come there, too.
 struct Phase {
-  Phase(const Behaviour& behaviour, can::Time now, SamplePlace& sample_place) noexcept
+  Phase(const Behaviour& behaviour, can::Time now, SampleCursor& sample_place) noexcept
       : period(std::max(behaviour.period, can::Duration{1})),
         place(sample_place),
         into(now.time_since_epoch() - place.number * period) {
@@ -69,7 +69,7 @@ struct Phase {
   }
 
   can::Duration period;
-  SamplePlace& place;
+  SampleCursor& place;
   can::Duration into;
 };
 
@@ -136,12 +136,12 @@ std::string_view name(Behaviour::Kind kind) noexcept {
 }
 
 double value_at(const Behaviour& behaviour, can::Time now) noexcept {
-  SamplePlace place;
+  SampleCursor place;
   return value_in(behaviour, Phase(behaviour, now, place));
 }
 
 can::Time next_change(const Behaviour& behaviour, DataType type, double value, can::Time now) noexcept {
-  SamplePlace place;
+  SampleCursor place;
   return change_after(behaviour, type, value, now, Phase(behaviour, now, place));
 }
 
@@ -171,7 +171,7 @@ std::uint64_t fitted(double value, const Bounds& bounds) noexcept {
 
 namespace {
 
-void look_for_whole_numbers(const Behaviour& behaviour, const Bounds& bounds, SamplePlace& place) noexcept {
+void look_for_whole_numbers(const Behaviour& behaviour, const Bounds& bounds, SampleCursor& place) noexcept {
   using enum DataType;
   if (behaviour.kind != Behaviour::Kind::counter || !(behaviour.step > 0)) return;
   if (bounds.type == boolean || bounds.type == real32 || bounds.type == real64) return;
@@ -195,7 +195,7 @@ void look_for_whole_numbers(const Behaviour& behaviour, const Bounds& bounds, Sa
 }  // namespace
 
 Sample sample_anywhere(const Behaviour& behaviour, const Bounds& bounds, can::Time now,
-                       SamplePlace& place) noexcept {
+                       SampleCursor& place) noexcept {
   const bool knew_steps = place.steps != 0;
   const Phase phase(behaviour, now, place);
   if (!knew_steps && place.steps != 0) look_for_whole_numbers(behaviour, bounds, place);

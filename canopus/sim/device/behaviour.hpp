@@ -48,7 +48,7 @@ struct Behaviour {
                                     can::Time now) noexcept;
 
 /// The period of a behaviour that was looked at last: the same one, or the next one, is found without a division.
-struct SamplePlace {
+struct SampleCursor {
   can::Duration::rep number = 0;  ///< of the period
   std::uint64_t steps = 0;        ///< of a counter; 0: not worked out yet
   std::uint64_t step = 0;         ///< number, modulo steps
@@ -90,10 +90,10 @@ struct Sample {
 };
 /// sample_at() of any behaviour, at any moment.
 [[nodiscard]] Sample sample_anywhere(const Behaviour& behaviour, const Bounds& bounds, can::Time now,
-                                     SamplePlace& place) noexcept;
+                                     SampleCursor& place) noexcept;
 /// `place` is of this behaviour alone, at first as it is made.
 [[nodiscard]] inline Sample sample_at(const Behaviour& behaviour, const Bounds& bounds, can::Time now,
-                                      SamplePlace& place) noexcept {
+                                      SampleCursor& place) noexcept {
   const can::Duration period = behaviour.period;
   can::Duration into = now.time_since_epoch() - place.number * period;
   const bool is_next = into >= period;

@@ -41,7 +41,7 @@ bool Device::release(const Entry& entry, can::Time now) {
 
 bool Device::force_value(const Entry& entry, std::uint64_t value, can::Time until, can::Time now) {
   const bool changed = forcing_.force(entry, value, until);
-  see_what_it_does();
+  update_fast_path();
   written_ = true;
   if (force_listener_ == nullptr) return changed;
   for (const Forcing::Force& force : forcing_.all()) {
@@ -53,7 +53,7 @@ bool Device::force_value(const Entry& entry, std::uint64_t value, can::Time unti
 bool Device::release_value(const Entry& entry, can::Time now) {
   if (!forcing_.is_forced(entry)) return false;
   const bool changed = forcing_.release(entry);
-  see_what_it_does();
+  update_fast_path();
   written_ = true;
   if (force_listener_ != nullptr) force_listener_->value_released(entry, now);
   // Outside Operational nobody samples: what is beneath may be old.
@@ -157,9 +157,9 @@ bool Device::is_moved(const Motion& motion, can::Time now) const noexcept {
 
 /// Where values have changed. `is_simple`: nothing is forced, and nothing follows another value.
 template <bool is_simple>
-inline canopen::Places Device::sample(can::Time now) {
+inline canopen::ValueMask Device::sample(can::Time now) {
   std::uint8_t* const block = node_.dictionary().block().data();
-  canopen::Places moved = 0;
+  canopen::ValueMask moved = 0;
   can::Time next_change = can::never;
   for (Motion& motion : motions_) {
     if (!is_simple && motion.behaviour.kind == Behaviour::Kind::echo) continue;
@@ -242,13 +242,13 @@ void Device::settle(can::Time now, bool moved) {
     // What a condition forces, the application sees, too.
     if (!script_.empty()) moved = act(now) || moved;
   }
-  after_event(now, moved ? canopen::all_places : canopen::Places{0});
+  after_event(now, moved ? canopen::all_values : canopen::ValueMask{0});
 }
 
-[[gnu::always_inline]] inline void Device::after_event(can::Time now, canopen::Places moved) {
+[[gnu::always_inline]] inline void Device::after_event(can::Time now, canopen::ValueMask moved) {
   const bool is_operational = is_on_ && node_.state() == NmtState::operational;
   if (moved != 0 && is_operational)
-    node_.values_changed(std::exchange(was_written_, false) ? canopen::all_places : moved, now);
+    node_.values_changed(std::exchange(was_written_, false) ? canopen::all_values : moved, now);
   if (!is_operational || !samples_) {
     next_sample_ = can::never;
     is_sampling_ = false;
@@ -266,7 +266,7 @@ void Device::settle(can::Time now, bool moved) {
 
 void Device::receive(const can::Frame& frame, can::Time now) {
   if (lss_ && frame.identifier == lss::from_master && !frame.extended) return lss_->receive(frame, now);
-  if (is_plain()) return node_.receive(frame, now);
+  if (is_passive()) return node_.receive(frame, now);
   // Nobody samples outside Operational: an SDO read, or the first TPDOs after start, see the values of now.
   if (is_on_ && !is_sampling_) move_values(now);
   const bool moved = is_on_ && act(now);
@@ -278,8 +278,8 @@ void Device::controller_changed(can::Time now) { node_.controller_changed(now); 
 
 void Device::tick(can::Time now) {
   const can::Alarm::Hold hold(alarm());
-  if (only_samples_) [[likely]] {
-    const canopen::Places moved = next_sample_ <= now ? sample<true>(now) : canopen::Places{0};
+  if (has_fast_path_) [[likely]] {
+    const canopen::ValueMask moved = next_sample_ <= now ? sample<true>(now) : canopen::ValueMask{0};
     if (node_.deadline() <= now) node_.tick(now);
     return after_event(now, moved);
   }
@@ -290,7 +290,7 @@ void Device::tick(can::Time now) {
   while (const ScriptStep* step = script_.next_due(now)) moved = carry_out(*step, now) || moved;
   if (is_on_) moved = act(now) || moved;
   if (node_.deadline() <= now) node_.tick(now);
-  if (moved || !is_plain()) settle(now, moved);
+  if (moved || !is_passive()) settle(now, moved);
 }
 
 can::Time Device::own_deadline() const noexcept {

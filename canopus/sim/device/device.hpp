@@ -61,13 +61,13 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   /// To be called before power_on(); the entries are those of process_value().
   void add_script_step(const ScriptStep& step) {
     script_.add(step);
-    see_what_it_does();
+    update_fast_path();
   }
 
   /// What the device does, too. To be called once, before what it owns is given another motion, and before power_on().
   void set_application(std::unique_ptr<DeviceApplication> application) noexcept {
     application_ = std::move(application);
-    see_what_it_does();
+    update_fast_path();
   }
   /// The application's own writing, as a bit pattern as wide as the entry; beneath, while the entry is forced. True when
   /// the value that everybody sees has changed.
@@ -97,7 +97,7 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   /// nullptr: it is no LSS slave.
   [[nodiscard]] const lss::LssSlave* lss() const noexcept { return lss_ ? &lss_->slave() : nullptr; }
   /// It is no LSS slave, and nothing else but moving its values by itself is to be done: one look instead of many.
-  [[nodiscard]] bool only_samples() const noexcept { return only_samples_; }
+  [[nodiscard]] bool only_samples() const noexcept { return has_fast_path_; }
 
   void power_on(can::Time now);
   void power_off();
@@ -134,8 +134,8 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
     std::uint64_t moved_to = 0;
     can::Time next_change{};
     std::uint64_t mask = 0;  // of the target's bytes
-    canopen::Places places = 0;
-    SamplePlace place{};
+    canopen::ValueMask places = 0;
+    SampleCursor place{};
     Behaviour behaviour;
     Bounds bounds;          // of the target
     canopen::Entry source;  // echo
@@ -146,18 +146,18 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   void rpdo_received(std::uint16_t number, can::Time now) override;
   void object_written(const canopen::Entry& entry, can::Time now) override;
 
-  [[nodiscard]] bool is_plain() const noexcept {
+  [[nodiscard]] bool is_passive() const noexcept {
     return !application_ && motions_.empty() && playbacks_.empty() && script_.empty() &&
            forcing_.all().empty();
   }
-  void see_what_it_does() noexcept;
+  void update_fast_path() noexcept;
   [[nodiscard]] static bool same(const canopen::Entry& a, const canopen::Entry& b) noexcept {
     return a.index == b.index && a.sub == b.sub;
   }
   // What changes values. True: somebody sees another value than before.
   bool move_values(can::Time now);
   template <bool is_simple>
-  canopen::Places sample(can::Time now);
+  canopen::ValueMask sample(can::Time now);
   [[nodiscard]] std::uint64_t value_of(const Motion& motion) const noexcept;
   [[nodiscard]] bool is_moved(const Motion& motion, can::Time now) const noexcept;
   void plan_sample(can::Time now) noexcept;
@@ -173,10 +173,10 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   bool look_at_conditions(can::Time now);
 
   /// The alarm stands at what it has to do by itself, and what its node has.
-  void set_alarm() noexcept { alarm() = only_samples_ ? next_sample_ : own_deadline(); }
+  void set_alarm() noexcept { alarm() = has_fast_path_ ? next_sample_ : own_deadline(); }
   [[nodiscard]] can::Time own_deadline() const noexcept;
   void settle(can::Time now, bool moved);
-  void after_event(can::Time now, canopen::Places moved);
+  void after_event(can::Time now, canopen::ValueMask moved);
 
   std::shared_ptr<const eds::DeviceFile> file_;
   canopen::NodeListener* listener_ = nullptr;
@@ -190,14 +190,14 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   canopen::Node node_;
   can::Duration sample_interval_;
   can::Time next_sample_ = can::never;
-  can::Time next_change_{};    // earliest of the motions, as of the last sample
-  bool only_samples_ = false;  // it has values to sample, none is forced, and it does nothing else by itself
-  bool samples_ = false;       // something else than constants and echoes
-  bool is_sampling_ = false;   // Operational, and it samples
-  bool echoes_ = false;        // some of them
-  bool written_ = false;       // perhaps a moving value, by somebody else, since the last sample
-  bool was_written_ = false;   // perhaps any value, by somebody else, since TPDOs were looked at
-  bool is_watched_ = false;    // nobody but it writes there without being seen
+  can::Time next_change_{};     // earliest of the motions, as of the last sample
+  bool has_fast_path_ = false;  // it has values to sample, none is forced, and it does nothing else by itself
+  bool samples_ = false;        // something else than constants and echoes
+  bool is_sampling_ = false;    // Operational, and it samples
+  bool echoes_ = false;         // some of them
+  bool written_ = false;        // perhaps a moving value, by somebody else, since the last sample
+  bool was_written_ = false;    // perhaps any value, by somebody else, since TPDOs were looked at
+  bool is_watched_ = false;     // nobody but it writes there without being seen
   bool is_on_ = false;
   std::vector<Motion> motions_;
   std::unique_ptr<DeviceLss> lss_;

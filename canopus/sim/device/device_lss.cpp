@@ -93,7 +93,7 @@ void DeviceLss::change_bit_rate(std::uint32_t bit_rate, can::Time) {
   if (controller_.bit_rate() != bit_rate) controller_.restart(bit_rate);
 }
 
-lss::LssSlaveUser::Stored DeviceLss::store(std::uint8_t node_id, std::uint32_t bit_rate) {
+lss::LssSlaveListener::Stored DeviceLss::store(std::uint8_t node_id, std::uint32_t bit_rate) {
   const Settings settings{node_id, bit_rate};
   if (store_ != nullptr && store_->save(encode(settings)) != canopen::AbortCode::none) return Stored::failed;
   stored_ = settings;

@@ -13,7 +13,7 @@
 
 namespace canopus::sim {
 
-class DeviceLss final : private lss::LssSlaveUser, private canopen::NodeListener {
+class DeviceLss final : private lss::LssSlaveListener, private canopen::NodeListener {
  public:
   struct Settings {
     std::uint8_t node_id = lss::unconfigured;
@@ -43,7 +43,7 @@ class DeviceLss final : private lss::LssSlaveUser, private canopen::NodeListener
   [[nodiscard]] can::Alarm& alarm() noexcept { return slave_.alarm(); }
 
  private:
-  // LssSlaveUser
+  // LssSlaveListener
   void node_id_assigned(std::uint8_t node_id, can::Time now) override;
   bool supports_bit_rate(std::uint32_t bit_rate) override;
   void change_bit_rate(std::uint32_t bit_rate, can::Time now) override;

@@ -37,7 +37,7 @@ std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
   if (auto problem = find(behaviour.index, behaviour.sub, motion.target)) return problem;
   const std::uint8_t length = motion.target.description->length;
   motion.mask = ~std::uint64_t{0} >> (64 - 8 * length);
-  motion.places = canopen::places_of(motion.target.offset, length);
+  motion.places = canopen::value_mask_of(motion.target.offset, length);
   motion.bounds = bounds(motion.target.description->type, description.limits(motion.target));
   for (const Playback& playback : playbacks_) {
     if (std::ranges::any_of(playback.entries(),
@@ -76,13 +76,13 @@ std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
   echoes_ = echoes_ || behaviour.kind == Behaviour::Kind::echo;
   motions_.push_back(motion);
   next_change_ = {};
-  see_what_it_does();
+  update_fast_path();
   return std::nullopt;
 }
 
-void Device::see_what_it_does() noexcept {
-  only_samples_ = samples_ && !echoes_ && !application_ && playbacks_.empty() && script_.empty() &&
-                  forcing_.all().empty() && !lss_;
+void Device::update_fast_path() noexcept {
+  has_fast_path_ = samples_ && !echoes_ && !application_ && playbacks_.empty() && script_.empty() &&
+                   forcing_.all().empty() && !lss_;
   is_watched_ =
       !application_ && playbacks_.empty() &&
       std::ranges::all_of(motions_, [](const Motion& motion) { return motion.target.index >= 0x2000; });
@@ -121,7 +121,7 @@ std::optional<std::string> Device::add_playback(Playback playback) {
       return shown + " is moved by the device itself";
   }
   playbacks_.push_back(std::move(playback));
-  see_what_it_does();
+  update_fast_path();
   return std::nullopt;
 }
 
@@ -130,7 +130,7 @@ void Device::enable_lss(can::Controller& controller, canopen::ParameterStore* st
                                      DeviceLss::Settings{node_.node_id(), controller.bit_rate()},
                                      file_->device.bit_rates, store);
   alarm().add_part(lss_->alarm());
-  see_what_it_does();
+  update_fast_path();
 }
 
 }  // namespace canopus::sim

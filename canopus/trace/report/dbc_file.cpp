@@ -12,7 +12,7 @@
 namespace canopus::trace {
 namespace {
 
-constexpr std::string_view nobody = "Vector__XXX";
+constexpr std::string_view no_node = "Vector__XXX";
 
 std::uint32_t dbc_identifier(FrameKey key) {
   const bool extended = (key >> 29 & 1U) != 0;
@@ -62,14 +62,14 @@ class DbcWriter {
     const std::string owner = names_.contains(pdo.node) ? names_[pdo.node] : fmt::format("node_{}", pdo.node);
     const std::string name = message_identifiers_.make(fmt::format("{}_{}", owner, pdo_name(pdo)), "PDO");
     const std::string_view sender =
-        pdo.producers.empty() ? nobody : std::string_view(names_[pdo.producers.front()]);
+        pdo.producers.empty() ? no_node : std::string_view(names_[pdo.producers.front()]);
     messages_ += fmt::format("BO_ {} {}: {} {}\n", id, name, pdo.length, sender);
     comments_ += fmt::format(
         "CM_ BO_ {} {};\n", id,
         dbc_string(fmt::format("{} of node {} {}", pdo_name(pdo), pdo.node, model_.node_name(pdo.node))));
     std::vector<std::string> receivers;
     for (const std::uint8_t node : pdo.consumers) receivers.push_back(names_[node]);
-    if (receivers.empty()) receivers.emplace_back(nobody);
+    if (receivers.empty()) receivers.emplace_back(no_node);
     Identifiers signals;
     for (const Signal& signal : pdo.signals) add_signal(id, signal, signals, receivers);
     messages_ += '\n';

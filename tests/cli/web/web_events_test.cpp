@@ -208,8 +208,8 @@ TEST(WebEvents, ANodeOnTheFarSideOfACut_IsNotInOperation) {
   EXPECT_EQ(cut_off_at(2500ms), (std::vector<bool>{false, false}));
 }
 
-TEST(WebFigures, HeartbeatsAnswersAndSync_ByThePredefinedConnectionSet) {
-  WebFigures figures;
+TEST(BusStatisticsView, HeartbeatsAnswersAndSync_ByThePredefinedConnectionSet) {
+  BusStatisticsView figures;
   const auto frame = [&](std::uint32_t id, std::vector<std::uint8_t> data, can::Duration moment) {
     can::Frame one{.identifier = id, .dlc = static_cast<std::uint8_t>(data.size())};
     std::ranges::copy(data, one.data.begin());
@@ -238,8 +238,8 @@ TEST(WebFigures, HeartbeatsAnswersAndSync_ByThePredefinedConnectionSet) {
   EXPECT_EQ(time_fields(figures.sync()).dump(), R"({"count":3,"least":0.009,"mean":0.01,"most":0.011})");
 }
 
-TEST(WebFigures, TheNmtState_IsThatOfTheLastErrorControlMessage_OrOfAnNmtCommandSince) {
-  WebFigures figures;
+TEST(BusStatisticsView, TheNmtState_IsThatOfTheLastErrorControlMessage_OrOfAnNmtCommandSince) {
+  BusStatisticsView figures;
   const auto after = [&](std::uint32_t id, std::vector<std::uint8_t> data) {
     can::Frame one{.identifier = id, .dlc = static_cast<std::uint8_t>(data.size())};
     std::ranges::copy(data, one.data.begin());
@@ -258,8 +258,8 @@ TEST(WebFigures, TheNmtState_IsThatOfTheLastErrorControlMessage_OrOfAnNmtCommand
   EXPECT_EQ(after(0x705, {0x7F}), pre_operational);
 }
 
-TEST(WebFigures, OtherFrames_AreNone) {
-  WebFigures figures;
+TEST(BusStatisticsView, OtherFrames_AreNone) {
+  BusStatisticsView figures;
   figures.frame_completed({.identifier = 0x705, .extended = true, .dlc = 1, .data = {5}}, can::Time{1s});
   figures.frame_completed({.identifier = 0x705, .remote = true, .dlc = 1}, can::Time{1s});
   figures.frame_completed({.identifier = 0x705, .dlc = 2, .data = {5}}, can::Time{1s});

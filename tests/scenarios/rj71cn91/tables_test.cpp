@@ -324,8 +324,8 @@ TEST(Rj71Tables, Identity_AndStrings) {
 TEST(Rj71Tables, TheModulesPage_HasEveryRow) {
   using namespace module::rj71cn91;
   expect_page_has_rows("rj71cn91.md", buffer_table, [](const module::BufferRow& row) -> std::string {
-    if (row.modes == module::intelligent::all_modes) return "all";
-    return row.modes == module::intelligent::layer2 ? "Layer 2" : "405";
+    if (row.modes == module::q_iqr::all_modes) return "all";
+    return row.modes == module::q_iqr::layer2 ? "Layer 2" : "405";
   });
 }
 

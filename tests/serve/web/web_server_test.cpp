@@ -14,8 +14,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/serve/web/client_message.hpp"
 #include "canopus/serve/web/web_password.hpp"
-#include "canopus/serve/web/web_wish.hpp"
 
 namespace canopus::serve::web_server_test {
 namespace {
@@ -435,46 +435,46 @@ TEST_F(WebServerTest, TooManyRequestsOfOneAddress_AreRefused) {
   }
 }
 
-TEST(WebWish, OnlyWhatAWatcherMaySay) {
-  EXPECT_EQ(read_wish("{\"messages\": true}")->messages, true);
-  EXPECT_EQ(read_wish("{\"messages\":false}")->messages, false);
-  EXPECT_THAT(*read_wish("{\"views\": []}")->views, IsEmpty());
-  EXPECT_THAT(*read_wish("{\"views\": [{\"words\": 0, \"from\": 7}, {}]}")->views,
+TEST(ClientMessage, OnlyWhatAWatcherMaySay) {
+  EXPECT_EQ(parse_client_message("{\"messages\": true}")->messages, true);
+  EXPECT_EQ(parse_client_message("{\"messages\":false}")->messages, false);
+  EXPECT_THAT(*parse_client_message("{\"views\": []}")->views, IsEmpty());
+  EXPECT_THAT(*parse_client_message("{\"views\": [{\"words\": 0, \"from\": 7}, {}]}")->views,
               ElementsAre("{\"from\":7,\"words\":0}", "{}"));
-  for (const std::string& text :
-       std::vector<std::string>{"",
-                                "true",
-                                "[]",
-                                "{}",
-                                "{\"messages\":1}",
-                                "{\"messages\":true,\"x\":1}",
-                                "{\"message\":true}",
-                                "{\"messages\":true",
-                                "[[[[[[[[[[[[[[[[[[",
-                                "\xFF",
-                                "{\"request\":\"set\"}",
-                                "{\"views\":{}}",
-                                "{\"views\":[1]}",
-                                "{\"views\":[{},{},{},{},{},{},{},{},{}]}",
-                                R"({"views":[{"a":")" + std::string(WebWish::longest_view, 'x') + "\"}]}",
-                                "{\"views\":[],\"messages\":true}",
-                                "{\"messages\":[]}",
-                                "{\"views\":true}",
-                                "{\"do\":{}}",
-                                "{\"do\":[],\"id\":1}",
-                                "{\"do\":{},\"id\":-1}",
-                                "{\"do\":{},\"id\":4294967296}",
-                                "{\"do\":{},\"id\":1.5}",
-                                "{\"do\":{},\"id\":1,\"x\":1}"}) {
-    EXPECT_FALSE(read_wish(text)) << text;
+  for (const std::string& text : std::vector<std::string>{
+           "",
+           "true",
+           "[]",
+           "{}",
+           "{\"messages\":1}",
+           "{\"messages\":true,\"x\":1}",
+           "{\"message\":true}",
+           "{\"messages\":true",
+           "[[[[[[[[[[[[[[[[[[",
+           "\xFF",
+           "{\"request\":\"set\"}",
+           "{\"views\":{}}",
+           "{\"views\":[1]}",
+           "{\"views\":[{},{},{},{},{},{},{},{},{}]}",
+           R"({"views":[{"a":")" + std::string(ClientMessage::longest_view, 'x') + "\"}]}",
+           "{\"views\":[],\"messages\":true}",
+           "{\"messages\":[]}",
+           "{\"views\":true}",
+           "{\"do\":{}}",
+           "{\"do\":[],\"id\":1}",
+           "{\"do\":{},\"id\":-1}",
+           "{\"do\":{},\"id\":4294967296}",
+           "{\"do\":{},\"id\":1.5}",
+           "{\"do\":{},\"id\":1,\"x\":1}"}) {
+    EXPECT_FALSE(parse_client_message(text)) << text;
   }
   // Whoever carries it out walks through it.
   const auto nested = [](std::size_t depth) { return std::string(depth, '[') + std::string(depth, ']'); };
-  EXPECT_TRUE(read_wish("{\"do\":{\"a\":" + nested(62) + "},\"id\":1}"));
-  EXPECT_FALSE(read_wish("{\"do\":{\"a\":" + nested(63) + "},\"id\":1}"));
-  EXPECT_FALSE(read_wish("{\"do\":{\"a\":" + nested(100'000) + "},\"id\":1}"));
-  EXPECT_FALSE(read_wish("{\"views\":[{\"a\":" + nested(62) + "}]}"));
-  const auto wish = read_wish("{\"id\": 4294967295, \"do\": {\"command\": \"hello\"}}");
+  EXPECT_TRUE(parse_client_message("{\"do\":{\"a\":" + nested(62) + "},\"id\":1}"));
+  EXPECT_FALSE(parse_client_message("{\"do\":{\"a\":" + nested(63) + "},\"id\":1}"));
+  EXPECT_FALSE(parse_client_message("{\"do\":{\"a\":" + nested(100'000) + "},\"id\":1}"));
+  EXPECT_FALSE(parse_client_message("{\"views\":[{\"a\":" + nested(62) + "}]}"));
+  const auto wish = parse_client_message("{\"id\": 4294967295, \"do\": {\"command\": \"hello\"}}");
   EXPECT_EQ(wish->command->text, "{\"command\":\"hello\"}");
   EXPECT_EQ(wish->command->id, 4294967295U);
 }

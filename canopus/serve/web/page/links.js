@@ -4,7 +4,7 @@ import { make } from "./dom.js";
 const by_id = (id) => document.getElementById(id);
 
 /// What there is to go to: name, link.
-function places_of(state) {
+function value_mask_of(state) {
   return [
     ["Overview", "#overview"], ["Boots", "#boots"], ["Trace", "#trace"],
     ...state.modules.map((one, i) => [`Buffer memory of ${one.name} (${one.plc})`, `#words/${i}`]),
@@ -46,7 +46,7 @@ export class Links {
   /// The link that the page was opened with needs the names of the first state.
   state(state) {
     this.last_state = state;
-    this.places = places_of(state);
+    this.places = value_mask_of(state);
     if (this.is_followed) return;
     this.is_followed = true;
     if (location.hash) this.follow();

@@ -1,0 +1,126 @@
+#include "canopus/plc/program/exchange_monitor.hpp"
+
+#include <cstdio>
+#include <utility>
+
+namespace canopus::plc {
+
+namespace {
+
+using Kind = module::ProgramRequest::Kind;
+
+constexpr can::Duration look_again = std::chrono::milliseconds(100);
+
+/// "X01"
+std::string signal_name(char kind, unsigned number) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%c%02X", kind, number);
+  return text;
+}
+
+/// "1.0 s", "31 ms"
+std::string shown(can::Duration time) {
+  char text[32];
+  const double seconds = std::chrono::duration<double>(time).count();
+  if (time < std::chrono::seconds(1)) {
+    std::snprintf(text, sizeof text, "%.0f ms", seconds * 1000);
+  } else {
+    std::snprintf(text, sizeof text, "%.1f s", seconds);
+  }
+  return text;
+}
+
+}  // namespace
+
+void ExchangeMonitor::signal_changed(module::SignalKind kind, unsigned number, bool on, bool by_program,
+                                     can::Time now) {
+  if (interface_.exchange.kind != Kind::signal || number != interface_.exchange.signal) return;
+  if (kind == module::SignalKind::input) {
+    if (on) answered(now);
+    return;
+  }
+  if (on) return requested(now);
+  if (!is_open_) return;
+  if (by_program) {
+    was_taken_back_ = true;
+    has_initialized_ = has_initialized_ || is_initializing(now);
+  } else {
+    forget();  // a program may change its mind
+  }
+}
+
+void ExchangeMonitor::buffer_written(module::BufferAddress address, std::uint16_t value, can::Time now) {
+  const module::ProgramRequest& exchange = interface_.exchange;
+  if (exchange.kind != Kind::bits || address != exchange.word || (value & exchange.bits) == 0) return;
+  requested(now);
+}
+
+void ExchangeMonitor::forget() noexcept {
+  is_open_ = has_initialized_ = was_taken_back_ = was_reported_ = false;
+  look_at_ = can::never;
+}
+
+void ExchangeMonitor::requested(can::Time now) {
+  if (is_open_) return;
+  forget();
+  is_open_ = true;
+  has_initialized_ = is_initializing(now);
+  since_ = now;
+  look_at_ = now + patience;
+}
+
+void ExchangeMonitor::answered(can::Time now) {
+  if (!is_open_) return;
+  if (was_reported_) {
+    report_ = "process data are exchanged again, after " + shown(now - since_);
+  } else if (was_taken_back_) {
+    const std::string y = signal_name('Y', head_ + interface_.exchange.signal);
+    report_ = "process data were not exchanged for " + shown(now - since_) + ": the module " +
+              (has_initialized_ ? "initialized while " + y + " was ON" : "did not answer") +
+              "; the built-in PLC program took " + y + " back and set it again";
+  }
+  forget();
+}
+
+void ExchangeMonitor::look(can::Time now) {
+  const module::ProgramRequest& exchange = interface_.exchange;
+  if (!is_open_ || exchange.kind != Kind::bits || is_initializing(now)) return;
+  if ((words_->look_at_word(exchange.word, now) & exchange.bits) == 0) answered(now);
+}
+
+void ExchangeMonitor::tick(can::Time now) {
+  if (look_at_ > now) return;
+  look_at_ = now + look_again;
+  if (is_initializing(now)) return;
+  look_at_ = can::never;  // its answer is heard
+  was_reported_ = true;
+  report_ = described(now);
+}
+
+std::string ExchangeMonitor::trouble(can::Time now) const {
+  return is_open_ && was_reported_ ? described(now) : std::string();
+}
+
+std::string ExchangeMonitor::described(can::Time now) const {
+  const module::ProgramRequest& exchange = interface_.exchange;
+  std::string text = "process data are not exchanged: ";
+  if (exchange.kind == Kind::signal) {
+    const std::string x = signal_name('X', head_ + exchange.signal);
+    const std::string y = signal_name('Y', head_ + exchange.signal);
+    text += x + " has not come for " + shown(now - since_);
+    if (has_initialized_) text += ", because " + y + " was set while the module initialized";
+    return text + ". The way back: " + y + " OFF and ON again";
+  }
+  text +=
+      "the request in word " + std::to_string(exchange.word) + " has no answer for " + shown(now - since_);
+  if (has_initialized_) text += ", because it came while the module initialized";
+  return text + ". The way back: write it again";
+}
+
+bool ExchangeMonitor::is_initializing(can::Time now) const {
+  if (interface_.initializing == 0) return false;
+  const bool is_set = (words_->look_at_word(interface_.status, now) & interface_.initializing) != 0;
+  return is_set != interface_.initializing_is_0;
+}
+
+}  // namespace canopus::plc

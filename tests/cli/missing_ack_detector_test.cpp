@@ -1,0 +1,83 @@
+// A node that is alone on its bus.
+
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "canopus/cli/events/event_printer.hpp"
+#include "canopus/plant/file/plant_file.hpp"
+#include "canopus/plant/plant.hpp"
+
+#include "paths.hpp"
+
+namespace canopus::cli::missing_ack_detector_test {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using namespace std::chrono_literals;
+
+class UnacknowledgedTest : public testing::Test, public plant::PlantObserver {
+ protected:
+  /// A plant of devices of this file on one bus: further TOML for each.
+  void build(const std::vector<std::string>& devices) {
+    std::string text = "[[bus]]\nname = \"line1\"\nbit_rate = 250_000\n";
+    for (const std::string& device : devices) {
+      text += "[[device]]\neds = \"" CANOPUS_SOURCE_DIR "/examples/devices/encoder.eds\"\n" + device + "\n";
+    }
+    const plant::PlantReading reading = plant::read_plant(text, "plant.toml");
+    ASSERT_THAT(reading.errors, IsEmpty());
+    auto built = plant::Plant::build(reading.plant, *this);
+    ASSERT_TRUE(built.has_value());
+    plant = std::move(*built);
+    plant->power_on();
+  }
+  void run_until(can::Duration time) { plant->timeline().run_until(can::Time(time)); }
+  void unacknowledged(const plant::NodeLabel& node, can::Time now) override {
+    EXPECT_LT(now, can::Time(100ms));
+    heard.push_back(describe(node));
+  }
+
+  std::unique_ptr<plant::Plant> plant;
+  std::vector<std::string> heard;
+};
+
+TEST_F(UnacknowledgedTest, ALoneNodeIsReportedOnce) {
+  build({"node = 3\nname = \"encoder\"\nobjects = { \"1017:00\" = 100 }"});
+  run_until(5s);
+  EXPECT_THAT(heard, ElementsAre("line1 node 3 (encoder)"));
+  EXPECT_GT(plant->bus(0).load(can::Time(5s)).error_frames, 1000U);
+}
+
+TEST_F(UnacknowledgedTest, NodesThatHearEachOtherAreNotReported) {
+  build({"node = 3\nobjects = { \"1017:00\" = 100 }", "node = 4\nobjects = { \"1017:00\" = 100 }"});
+  run_until(5s);
+  EXPECT_THAT(heard, IsEmpty());
+}
+
+TEST_F(UnacknowledgedTest, ListenersDoNotAcknowledge) {
+  build({"node = 3\nname = \"encoder\"", "node = 4\nlisten_only = true"});
+  run_until(1s);
+  EXPECT_THAT(heard, ElementsAre("line1 node 3 (encoder)"));
+}
+
+TEST(UnacknowledgedEvent, IsALineAndJson) {
+  TextOutput text, errors;
+  const plant::NodeLabel node{"line1", "encoder", 3};
+  LinePrinter(text, errors, false).unacknowledged(node, can::Time(1500us));
+  EXPECT_EQ(text.text(),
+            "    0.001500  line1 node 3 (encoder): nobody acknowledges: no other node on this bus\n");
+  text.clear();
+  LinePrinter(text, errors, true).unacknowledged(node, can::Time(1500us));
+  EXPECT_EQ(text.text() + errors.text(), "");
+  JsonPrinter(text).unacknowledged(node, can::Time(1500us));
+  EXPECT_EQ(
+      text.text(),
+      "{\"t\":0.0015,\"event\":\"unacknowledged\",\"bus\":\"line1\",\"node\":3,\"name\":\"encoder\"}\n");
+}
+
+}  // namespace
+}  // namespace canopus::cli::missing_ack_detector_test
