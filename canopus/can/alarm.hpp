@@ -1,6 +1,6 @@
 #pragma once
-// When something wants to be called next. Whoever waits has an alarm and sets it; a timeline, or the alarm of the whole that it
-// is a part of, is notified when that changes the earliest deadline, and asks nobody.
+// When an object is to be called next. An object that waits has an alarm and sets it; the timeline, or the alarm of the whole that it
+// is a part of, is notified when that changes the earliest deadline. No object is asked for its deadline.
 
 #include <compare>
 #include <cstdint>

@@ -1,6 +1,6 @@
 #pragma once
 // What stands between a protocol object and a bus: where frames go (Sink), what a CAN controller reports of
-// itself (Controller), who hears what happens on the bus (Listener), who lives in time (Ticker), and who does
+// itself (Controller), what receives from a bus (Listener), what is called in time (Ticker), and what does
 // both, as most do (Participant).
 
 #include <cstdint>
@@ -46,11 +46,11 @@ class Controller : public Sink {
   /// Changes the bit rate and starts the controller anew: counters 0, error active, transmit queue empty.
   virtual void restart(std::uint32_t bit_rate) = 0;
   /// Off: as if it had no supply. It hears nothing, acknowledges nothing, what waits is lost, send() refuses.
-  /// On: as after restart() with the bit rate it has. A controller whose supply nobody can switch ignores it.
+  /// On: as after restart() with the bit rate it has. A controller whose supply cannot be switched ignores it.
   virtual void set_power(bool /*on*/) {}
   /// Frames that send() refused since the last restart().
   [[nodiscard]] virtual std::uint32_t transmit_overflows() const = 0;
-  /// Received frames lost because nobody took them in time, since the last restart().
+  /// Received frames lost because they were not read in time, since the last restart().
   [[nodiscard]] virtual std::uint32_t receive_overflows() const { return 0; }
   /// True when send() would take a frame now.
   [[nodiscard]] virtual bool has_room() const { return true; }

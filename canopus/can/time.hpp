@@ -22,7 +22,7 @@ using Duration = RunClock::duration;
 /// A moment of the run. Time{} is its start, never is later than everything.
 using Time = RunClock::time_point;
 
-/// The deadline of whoever waits for nothing.
+/// The deadline of an object that waits for nothing.
 inline constexpr Time never = Time::max();
 
 /// Seconds since the start of the run, for people and log files.

@@ -182,11 +182,11 @@ void Timeline::run(Time end, const Place& until) {
     } else {
       tick(nodes_, index, handle);
     }
-    if (is_whole) return;  // who belongs to no partition may have made somebody of one earlier
+    if (is_whole) return;  // one that belongs to no partition may have made one of a partition earlier
   }
 }
 
-// Who is first of all goes on until somebody of another partition is: nothing that a partition does makes another one earlier.
+// The first of all goes on until one of another partition is: nothing that a partition does makes another one earlier.
 void Timeline::run_together(Time end) {
   const struct Running {
     explicit Running(Timeline& timeline) : whole(timeline) { set(true); }
@@ -216,7 +216,7 @@ void Timeline::run_together(Time end) {
     compare(*this);
     for (const auto& partition : partitions_) compare(*partition);
     if (first == nullptr || earliest.deadline > end) break;
-    now_ = std::max(now_, earliest.deadline);  // for those who look at the clock of the whole meanwhile
+    now_ = std::max(now_, earliest.deadline);  // for readers of the clock of the whole meanwhile
     first->run(now_, second);
   }
   now_ = std::max(now_, end);

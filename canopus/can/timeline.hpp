@@ -7,7 +7,7 @@
 // It is taken out after `most_ticks` of them at one moment, and reported by its name.
 //
 // What shares nothing may live in partitions (add_partition()): timelines of their own within one whole. The whole runs them
-// together, in the very order in which one timeline would tick everybody; or each partition runs by itself for a while
+// together, in the very order in which one timeline would tick all; or each partition runs by itself for a while
 // (run_partition()), before or after the others or on another thread. What is reported meanwhile is put into the one order
 // afterwards by the stamp() at which it was reported.
 
@@ -43,7 +43,7 @@ class Timeline {
   Timeline(const Timeline&) = delete;
   Timeline& operator=(const Timeline&) = delete;
 
-  /// Who goes first at one and the same moment: nodes say what they want to send, then the bus arbitrates.
+  /// What goes first at one and the same moment: nodes offer what they want to send, then the bus arbitrates.
   enum class Rank : std::uint8_t { node, bus };
 
   /// Ticks a participant from now on whenever its alarm is due, until it is removed or destroyed. Returns its handle. `name` is
@@ -88,12 +88,12 @@ class Timeline {
   [[nodiscard]] bool runs_alone() const noexcept { return runs_alone_; }
   /// Of the whole: all partitions have run up to `end`, which is before outside_next().
   void join_partitions(Time end) noexcept { now_ = end; }
-  /// Of the whole: earliest deadline of who belongs to no partition.
+  /// Of the whole: earliest deadline of the participants that belong to no partition.
   [[nodiscard]] Time outside_next() const noexcept { return first().deadline; }
 
  private:
   friend class Alarm;
-  /// What decides who is first.
+  /// What decides which is first.
   struct Place {
     Time deadline;
     std::uint64_t order;  // rank (1 bit), number over all partitions
@@ -125,11 +125,11 @@ class Timeline {
     return static_cast<WinnerTree::Index>(handle >> 1);
   }
 
-  /// Who is first of all; with deadline never where there is nobody. At one moment nodes go first.
+  /// The first of all; with deadline never where there is none. At one moment nodes go first.
   [[nodiscard]] Place first() const noexcept {
     return buses_.tree.earliest() < nodes_.tree.earliest() ? buses_.first() : nodes_.first();
   }
-  /// Somebody who belongs to no partition is due before this.
+  /// A participant that belongs to no partition is due before this.
   [[nodiscard]] bool has_before(const Place& place) const noexcept { return first().before(place); }
   /// Ticks whatever is due until `end` and before `until`. The whole ticks one participant.
   void run(Time end, const Place& until);
@@ -148,7 +148,7 @@ class Timeline {
   std::vector<std::pair<Handle, std::string>> names_;  // of those that have one
   std::function<void(const Stall&)> stall_handler_;
   Time now_{};
-  std::uint64_t latest_ = 0;  // of the orders of those who had their tick at now_
+  std::uint64_t latest_ = 0;  // of the orders of those that had their tick at now_
   bool running_ = false;
   bool runs_alone_ = false;
   // Ticks at now_, so that a participant without end is found.

@@ -1,5 +1,5 @@
 #pragma once
-// The frames that wait in a controller, and who wins arbitration.
+// The frames that wait in a controller, and which of them wins arbitration.
 
 #include <array>
 #include <cstddef>

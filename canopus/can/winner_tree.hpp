@@ -1,6 +1,6 @@
 #pragma once
 // The earliest of many deadlines, by a winner tree: behind the matches stand the players, by index; match n is between 2 n and
-// 2 n + 1, and match 1 the last one. A new deadline is played up to there, and no branch hangs on who wins. A deadline is counted
+// 2 n + 1, and match 1 the last one. A new deadline is played up to there, and no branch depends on which wins. A deadline is counted
 // from a base that no deadline is before, in a key with its index below; what is further away than a key counts (4.9 hours) is
 // told apart when nothing nearer is left: then all play again from the earliest deadline on.
 

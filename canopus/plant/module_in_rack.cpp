@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/canopen/node/node.hpp"
 #include "canopus/manager/boot/boot_record.hpp"
 #include "canopus/module/interface/event_records.hpp"
 #include "canopus/module/interface/slave_boot_record.hpp"

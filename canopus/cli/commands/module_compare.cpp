@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "canopus/can/controller.hpp"
+#include "canopus/canopen/node/node.hpp"
 #include "canopus/module/interface/program_interface.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/volatile_memory.hpp"

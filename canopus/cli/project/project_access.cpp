@@ -1,6 +1,7 @@
 #include "canopus/cli/project/project_access.hpp"
 
 #include "canopus/cli/project/project_files.hpp"
+#include "canopus/cli/terminal/print.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 
 namespace canopus::cli {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/project/configure_command.hpp"
+#include "canopus/cli/project/project_access.hpp"
 #include "canopus/cli/project/project_files.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "canopus/can/bus.hpp"
 #include "canopus/can/timeline.hpp"
 #include "canopus/cli/commands/module_status.hpp"
 #include "canopus/cli/events/web_objects.hpp"
