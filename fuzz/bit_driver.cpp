@@ -51,9 +51,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::vector<sim::Fault> faults;
   for (unsigned count = 1 + input.choice(3); count > 0; --count) faults.push_back(driver(input));
   expect(bus.set_faults(faults, 1).has_value());
-  a.port.connect(a, 0);
-  b.port.connect(b, 0);
-  c.port.connect(c, 0);
+  a.port.connect(a);
+  b.port.connect(b);
+  c.port.connect(c);
   for (unsigned count = input.choice(6); count > 0; --count) {
     // Never the same identifier from both: two that send one and the same frame do so for ever.
     const bool is_a = input.flag();

@@ -132,7 +132,6 @@ class Run final : canopen::NodeListener, manager::MasterListener, public can::Pa
     o.delete_first = (shape & 4) != 0;
     o.check_files = (shape & 8) == 0;
     if ((shape & 16) != 0) o.write_time = 100ms;
-    o.empty_file_deletes = (shape & 32) == 0;
     if ((shape & 64) != 0) o.erase_time = 2s;
     if ((shape & 128) != 0) o.in_download = canopen::AbortCode::hardware_error;
     return o;
