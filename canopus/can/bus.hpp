@@ -1,5 +1,5 @@
 #pragma once
-// A bus as the nodes of a plant see it: controllers (ports) that are plugged into it, who watches it, and how
+// A bus as the nodes of a plant see it: controllers (ports) that are plugged into it, what observes it, and how
 // busy it is. The simulated bus (sim::Bus) and one of this machine's hardware (link::LinkedBus) are both.
 
 #include <bitset>
@@ -25,7 +25,7 @@ class BusObserver {
   virtual void frame_completed(const Frame& frame, Time start, Time end) = 0;
   /// A controller found an error at the sample point of a bit; its error flag follows.
   virtual void error_detected(const Port& /*port*/, BusError /*error*/, Time /*now*/) {}
-  /// The same with its place and what it did, for everybody who found an error at this moment, in one call.
+  /// The same with its place and what it did, for all ports that found an error at this moment, in one call.
   virtual void errors_reported(std::span<const BusErrorReport> /*reports*/, Time /*now*/) {}
   /// A controller's error state, or its way over or below the warning limit, changed.
   virtual void controller_changed(const ControllerReport& /*report*/, Time /*now*/) {}

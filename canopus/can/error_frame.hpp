@@ -3,9 +3,9 @@
 // [Linux include/uapi/linux/can/error.h].
 //
 //   identifier  class: CAN_ERR_PROT, CAN_ERR_BUSERROR, CAN_ERR_ACK; CAN_ERR_CRTL, CAN_ERR_BUSOFF, CAN_ERR_RESTARTED;
-//               always CAN_ERR_CNT. CAN_ERR_FLAG is left to who writes the frame down.
+//               always CAN_ERR_CNT. CAN_ERR_FLAG is left to the writer of the frame.
 //   data[1]     state of the controller
-//   data[2]     kind of the error, with CAN_ERR_PROT_TX for who was sending
+//   data[2]     kind of the error, with CAN_ERR_PROT_TX for the sender
 //   data[3]     place in the frame
 //   data[6..7]  TEC and REC, at most 255
 
