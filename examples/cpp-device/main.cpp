@@ -124,6 +124,7 @@ int main(int argc, char** argv) {
   timeline.add(tank, "tank");
   tank_port.connect(tank);
   tank.power_on(timeline.now());
+  timeline.run_until(timeline.now() + 10ms);  // its boot-up message is on the bus before the master resets it
   master.power_on(timeline.now());
   while (!master.finished() && timeline.now() < can::Time{} + 30s) timeline.run_until(timeline.now() + 100ms);
   std::printf("%9.6f  %llu frames on the bus\n", can::seconds(timeline.now()),
