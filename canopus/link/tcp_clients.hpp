@@ -1,5 +1,5 @@
 #pragma once
-// What every TCP server does with its clients, in whatever protocol: who may connect, who is refused or gives way, who is
+// What every TCP server does with its clients, in whatever protocol: which may connect, which are refused, give way or are
 // reported, and how a connection ends. What is read and written is the server's own.
 
 #include <chrono>
@@ -32,7 +32,7 @@ class TcpClients {
  public:
   using Socket = TcpPort::Socket;
   struct Rules {
-    AllowList allowed{};   ///< who may connect
+    AllowList allowed{};   ///< that may connect
     std::size_t most = 0;  ///< connections at a time
     /// With Hold::while_used.
     std::chrono::milliseconds gives_way_after{};

@@ -36,7 +36,7 @@ void add_bus_options(Command& command, BusOptions& options, const char* time_out
 int complain(int code, std::string_view message);
 
 enum class BusTime : std::uint8_t {
-  of_this_process,  ///< while it stands still no time passes: nobody's answer is late (BusLoop::extend_timeouts)
+  of_this_process,  ///< while it stands still no time passes: no answer is late (BusLoop::extend_timeouts)
   real,             ///< for who sends by the clock
 };
 

@@ -86,7 +86,7 @@ class WebTraffic {
   void add_error_frames(text::Json& event, std::size_t bus);
 
   std::vector<std::unique_ptr<Tap>> taps_;
-  std::map<std::size_t, ArbitrationProbe> wires_;  // of simulated buses that somebody looks at
+  std::map<std::size_t, ArbitrationProbe> wires_;  // of simulated buses that are observed
 };
 
 /// Adds `bits`: each bit of the frame as the bus had it: `level` (`d`, `r`), `field`, and `stuff` when it is a stuff bit.

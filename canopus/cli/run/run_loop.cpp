@@ -244,7 +244,7 @@ bool Run::run_in_step() {
     }
     servers.set_standing_still(false);
     const bool reads =
-        servers.waiting_messages() < ClientBackpressure::enough_waiting;  // or nobody waits for it
+        servers.waiting_messages() < ClientBackpressure::enough_waiting;  // or no client waits for it
     const auto turn_ends = WallClock::now() + turn;
     while (servers.runs().wants_time() && timeline.now() < end && WallClock::now() < turn_ends &&
            (!reads || servers.waiting_messages() < ClientBackpressure::enough_waiting)) {

@@ -39,7 +39,7 @@ TraceQueryEngine::TraceQueryEngine(Use use) : use_(std::move(use)), store_(use_.
 
 void TraceQueryEngine::add(std::span<const TraceRecord> records) {
   for (const TraceRecord& record : records) store_.add(record);
-  // Of such a one nobody has looked at anything that is still there.
+  // Of such a one no line that is still there was read.
   std::erase_if(queries_, [&](const Query& one) { return one.rows->next_record() < store_.begin(); });
 }
 
