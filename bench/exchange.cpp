@@ -11,7 +11,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "canopus/module/me3can1_q/me3can1_q.hpp"
+#include "canopus/module/models/me3can1_q/me3can1_q.hpp"
 
 #include "measure.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "canopus/module/me3can1_q/me3can1_q.hpp"
+#include "canopus/module/models/me3can1_q/me3can1_q.hpp"
 
 #include "input.hpp"
 

@@ -1,7 +1,7 @@
 // The text of a network file: mistakes are told with a place inside the text, and what is accepted can be put
 // into the objects it is meant for.
 
-#include "canopus/network/network_file.hpp"
+#include "canopus/master/network_file.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -26,13 +26,13 @@ bool fits(can::Duration time) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const auto lines = static_cast<std::size_t>(std::ranges::count(text, '\n')) + 1;
-  const network::NetworkReading reading = network::read_network(text, "network.toml");
+  const master::NetworkReading reading = master::read_network(text, "network.toml");
   for (const text::FileError& error : reading.errors) {
     expect(!error.message.empty() && error.place.line <= lines);
     expect(text::describe(error, "network.toml").starts_with("network.toml:"));
   }
   if (!reading.errors.empty()) return 0;
-  const network::NetworkFile& network = reading.network;
+  const master::NetworkFile& network = reading.network;
   expect(network.node >= 1 && network.node <= 127 && fits(network.heartbeat));
   expect(!network.boot_time || *network.boot_time >= can::Duration{});
   expect(network.nmt_inhibit_time >= can::Duration{});
@@ -45,7 +45,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     expect(timing.priority_slot > 127 * timing.device_slot);
   }
   expect(!network.slaves.empty());
-  for (const network::NetworkSlave& slave : network.slaves) {
+  for (const master::NetworkSlave& slave : network.slaves) {
     expect(slave.node >= 1 && slave.node <= 127 && slave.node != network.node);
     expect(fits(slave.consumer_heartbeat_time) && fits(slave.guard_time) && slave.retry_factor >= 1);
     expect(slave.program.empty() || slave.software_version.value_or(0) != 0);

@@ -7,13 +7,13 @@
 #include <string>
 #include <string_view>
 
-#include "canopus/project/network/network_load.hpp"
-#include "canopus/project/network/network_review.hpp"
-#include "canopus/project/network/pdo_link.hpp"
+#include "canopus/network_project/network_load.hpp"
+#include "canopus/network_project/network_review.hpp"
+#include "canopus/network_project/pdo_link.hpp"
 
 namespace {
 
-using namespace canopus::project;
+using namespace canopus::network_project;
 
 constexpr std::string_view good =
     "[DeviceInfo]\nProductName=good\n[DummyUsage]\nDummy0005=1\nDummy0006=1\n"

@@ -1,6 +1,6 @@
 // Any bytes as a nodelist.cpj: read, and a node added that is read again.
 
-#include "canopus/project/nodelist/nodelist.hpp"
+#include "canopus/network_project/nodelist.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -8,7 +8,7 @@
 #include <string_view>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace canopus::project;
+  using namespace canopus::network_project;
   const std::string_view text(reinterpret_cast<const char*>(data), size);  // NOLINT
   Nodelist list(text);
   if (list.text() != text) std::abort();

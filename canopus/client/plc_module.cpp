@@ -14,7 +14,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 template <typename Value>
-using Result = project::ModuleAccess::Result<Value>;
+using Result = module_settings::ModuleAccess::Result<Value>;
 
 // Command interface [FX3U-CAN 10].
 constexpr std::uint32_t status_word = 25;
@@ -168,15 +168,15 @@ Result<std::vector<std::uint16_t>> PlcModule::command(std::uint16_t code,
   }
 }
 
-Result<std::vector<std::uint32_t>> PlcModule::read_objects(std::uint8_t node,
-                                                           std::span<const project::ObjectNumber> objects) {
+Result<std::vector<std::uint32_t>> PlcModule::read_objects(
+    std::uint8_t node, std::span<const module_settings::ObjectNumber> objects) {
   constexpr std::uint16_t multi_read = 0x0008, all_read = 0x0009, not_all_read = 0x00F9;
   std::vector<std::uint32_t> values;
   while (!objects.empty()) {
     const auto now = objects.first(std::min(objects.size(), most_objects));
     objects = objects.subspan(now.size());
     std::vector<std::uint16_t> parameters;
-    for (const project::ObjectNumber& object : now) {
+    for (const module_settings::ObjectNumber& object : now) {
       parameters.insert(parameters.end(), {node, object.index, object.sub, 0, 0, 0, 0, 0});
     }
     if (now.size() < most_objects) parameters.push_back(no_further);
@@ -197,14 +197,15 @@ Result<std::vector<std::uint32_t>> PlcModule::read_objects(std::uint8_t node,
   return values;
 }
 
-Result<void> PlcModule::write_object(std::uint8_t node, project::ObjectNumber object, std::uint32_t value,
-                                     std::uint8_t bytes) {
+Result<void> PlcModule::write_object(std::uint8_t node, module_settings::ObjectNumber object,
+                                     std::uint32_t value, std::uint8_t bytes) {
   std::vector<std::uint8_t> data;
   for (unsigned i = 0; i < bytes; ++i) data.push_back(static_cast<std::uint8_t>(value >> 8 * i));
   return write_bytes(node, object, data);
 }
 
-Result<std::vector<std::uint8_t>> PlcModule::read_bytes(std::uint8_t node, project::ObjectNumber object) {
+Result<std::vector<std::uint8_t>> PlcModule::read_bytes(std::uint8_t node,
+                                                        module_settings::ObjectNumber object) {
   constexpr std::uint16_t sdo_read = 0x0004, success = 0x0005;
   const std::uint16_t parameters[] = {node, object.index, object.sub};
   const auto words = command(sdo_read, parameters);
@@ -217,7 +218,7 @@ Result<std::vector<std::uint8_t>> PlcModule::read_bytes(std::uint8_t node, proje
   return bytes;
 }
 
-Result<void> PlcModule::write_bytes(std::uint8_t node, project::ObjectNumber object,
+Result<void> PlcModule::write_bytes(std::uint8_t node, module_settings::ObjectNumber object,
                                     std::span<const std::uint8_t> bytes) {
   constexpr std::uint16_t sdo_write = 0x0002, success = 0x0003;
   if (bytes.empty() || bytes.size() > most_bytes) {

@@ -10,11 +10,11 @@
 
 #include "canopus/client/plc_client.hpp"
 #include "canopus/module/interface/configuration_tool.hpp"
-#include "canopus/project/module_transfer.hpp"
+#include "canopus/module_settings/module_transfer.hpp"
 
 namespace canopus::client {
 
-class PlcModule final : public project::ModuleAccess {
+class PlcModule final : public module_settings::ModuleAccess {
  public:
   /// `unit`: the number behind U: the module's number (FX), or its head address / 16.
   PlcModule(PlcClient& client, std::uint16_t unit, module::RequestMethod method) noexcept
@@ -22,20 +22,20 @@ class PlcModule final : public project::ModuleAccess {
 
   [[nodiscard]] module::RequestMethod request_method() const noexcept { return method_; }
 
-  // project::ModuleAccess
+  // module_settings::ModuleAccess
   Result<std::uint16_t> read_word(std::uint32_t address) override;
   Result<void> write_word(std::uint32_t address, std::uint16_t value) override;
-  Result<std::vector<std::uint32_t>> read_objects(std::uint8_t node,
-                                                  std::span<const project::ObjectNumber> objects) override;
-  Result<void> write_object(std::uint8_t node, project::ObjectNumber object, std::uint32_t value,
+  Result<std::vector<std::uint32_t>> read_objects(
+      std::uint8_t node, std::span<const module_settings::ObjectNumber> objects) override;
+  Result<void> write_object(std::uint8_t node, module_settings::ObjectNumber object, std::uint32_t value,
                             std::uint8_t bytes) override;
   Result<void> save_words() override;
 
   /// Waits for the end of its initialisation (#25 bit 7), before which nothing else may be read or written.
   Result<void> wait_until_ready();
   /// Any object up to 124 bytes.
-  Result<std::vector<std::uint8_t>> read_bytes(std::uint8_t node, project::ObjectNumber object);
-  Result<void> write_bytes(std::uint8_t node, project::ObjectNumber object,
+  Result<std::vector<std::uint8_t>> read_bytes(std::uint8_t node, module_settings::ObjectNumber object);
+  Result<void> write_bytes(std::uint8_t node, module_settings::ObjectNumber object,
                            std::span<const std::uint8_t> bytes);
   /// Starts the module anew, and with it the NMT master; waits until it is ready again.
   Result<void> restart();

@@ -10,7 +10,7 @@
 #include "canopus/canopen/node/node.hpp"
 #include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/manager/boot/start_up_bits.hpp"
-#include "canopus/module/areas/network_variables.hpp"
+#include "canopus/module/canopen/network_variables.hpp"
 
 namespace canopus::plant {
 

@@ -19,7 +19,7 @@ void look() {
 }
 
 std::shared_ptr<MasterRun> made(const std::function<std::unique_ptr<MasterPlace>()>& join,
-                                const network::NetworkFile& file) {
+                                const master::NetworkFile& file) {
   auto master = std::make_shared<MasterRun>(join, file);
   master->set_look(look);
   return master;

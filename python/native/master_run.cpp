@@ -15,8 +15,8 @@ namespace canopus::python {
 namespace {
 
 using manager::BootRecord;
-using network::NetworkMaster;
-using network::NetworkSlave;
+using master::NetworkMaster;
+using master::NetworkSlave;
 
 constexpr unsigned last_node = 127;
 
@@ -58,19 +58,19 @@ void check_node(unsigned node) {
 
 }  // namespace
 
-network::NetworkFile network_of(const std::optional<std::string>& text, const std::string& path,
-                                unsigned node) {
+master::NetworkFile network_of(const std::optional<std::string>& text, const std::string& path,
+                               unsigned node) {
   if (!text) {
     check_node(node);
     return {.path = path, .node = static_cast<std::uint8_t>(node)};
   }
-  network::NetworkReading reading = network::read_network(*text, path);
+  master::NetworkReading reading = master::read_network(*text, path);
   if (!reading.errors.empty()) throw PlantProblem(joined(std::move(reading.errors), path));
   return std::move(reading.network);
 }
 
 MasterRun::MasterRun(const std::function<std::unique_ptr<MasterPlace>()>& join,
-                     const network::NetworkFile& file)
+                     const master::NetworkFile& file)
     : place_(join()) {
   auto network = NetworkMaster::build(file, place_->sink(), *this);
   if (!network) throw PlantProblem(joined(std::move(network.error()), file.path));

@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "canopus/network/network_master.hpp"
+#include "canopus/master/network_master.hpp"
 
 #include "master_place.hpp"
 #include "plant_run.hpp"
@@ -17,17 +17,17 @@
 namespace canopus::python {
 
 /// The network file at `path` has this text; a problem: every mistake. Without a text: a master of this node-ID, without slaves.
-network::NetworkFile network_of(const std::optional<std::string>& text, const std::string& path,
-                                unsigned node);
+master::NetworkFile network_of(const std::optional<std::string>& text, const std::string& path,
+                               unsigned node);
 
-class MasterRun final : private can::Participant, private network::NetworkObserver {
+class MasterRun final : private can::Participant, private master::NetworkObserver {
  public:
   /// Frames of one identifier that are kept at most, the latest ones.
   static constexpr std::size_t most_frames = 100'000;
 
   /// It is switched on at once: its start-up happens while time passes. A problem: every mistake of what the network file
   /// names, a line each.
-  MasterRun(const std::function<std::unique_ptr<MasterPlace>()>& join, const network::NetworkFile& file);
+  MasterRun(const std::function<std::unique_ptr<MasterPlace>()>& join, const master::NetworkFile& file);
   ~MasterRun() override;
   MasterRun(const MasterRun&) = delete;
   MasterRun& operator=(const MasterRun&) = delete;
@@ -63,21 +63,21 @@ class MasterRun final : private can::Participant, private network::NetworkObserv
   void check() const;
   /// A problem: time passes just now, maybe in another thread.
   void check_still() const;
-  void event(const char* name, const network::NetworkSlave& slave, can::Time now, std::string more = {});
+  void event(const char* name, const master::NetworkSlave& slave, can::Time now, std::string more = {});
 
   // can::Participant
   void receive(const can::Frame& frame, can::Time now) override;
   void transmitted(const can::Frame& frame, can::Time now) override { network_->transmitted(frame, now); }
   void tick(can::Time now) override { network_->tick(now); }
 
-  // network::NetworkObserver
-  void slave_booted(const network::NetworkSlave& slave, can::Time now) override;
-  void slave_failed(const network::NetworkSlave& slave, const manager::BootRecord& record,
+  // master::NetworkObserver
+  void slave_booted(const master::NetworkSlave& slave, can::Time now) override;
+  void slave_failed(const master::NetworkSlave& slave, const manager::BootRecord& record,
                     can::Time now) override;
-  void state_changed(const network::NetworkSlave& slave, std::uint8_t state, can::Time now) override;
-  void error_control_event(const network::NetworkSlave& slave, manager::ErrorControlEvent what,
+  void state_changed(const master::NetworkSlave& slave, std::uint8_t state, can::Time now) override;
+  void error_control_event(const master::NetworkSlave& slave, manager::ErrorControlEvent what,
                            can::Time now) override;
-  void error_control_resolved(const network::NetworkSlave& slave, can::Time now) override;
+  void error_control_resolved(const master::NetworkSlave& slave, can::Time now) override;
 
   std::string events_;
   struct Subscription {
@@ -90,7 +90,7 @@ class MasterRun final : private can::Participant, private network::NetworkObserv
   std::function<void()> look_ = [] {};
   can::Time last_{};
   std::unique_ptr<MasterPlace> place_;
-  std::unique_ptr<network::NetworkMaster> network_;
+  std::unique_ptr<master::NetworkMaster> network_;
 };
 
 }  // namespace canopus::python

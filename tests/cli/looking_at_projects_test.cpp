@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "canopus/cli/command_line.hpp"
-#include "canopus/network/network_file.hpp"
+#include "canopus/master/network_file.hpp"
 #include "canopus/store/file_memory.hpp"
 #include "canopus/store/folder_lock.hpp"
 
@@ -241,7 +241,7 @@ TEST_F(LookingAtProjects, ADcfThatIsALink_IsNotRead) {
   const fs::path plant = top / "plant.toml";
   write(plant, "[[bus]]\nname = \"b\"\nbit_rate = 500_000\nproject = \"line/nodelist.cpj\"\n");
   EXPECT_THAT(said({"check", plant.string()}).error, HasSubstr("is a symbolic link, which is not followed"));
-  const auto network = network::read_project(list);
+  const auto network = master::read_project(list);
   ASSERT_FALSE(network.errors.empty());
   EXPECT_THAT(network.errors.front().message, HasSubstr("is a symbolic link, which is not followed"));
 }

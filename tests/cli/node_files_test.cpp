@@ -1,6 +1,6 @@
 // FileVersion and FileRevision of the device files of nodes.
 
-#include "canopus/cli/project/node_files.hpp"
+#include "canopus/cli/module_settings/node_files.hpp"
 
 #include <filesystem>
 #include <fstream>

@@ -1,6 +1,6 @@
 // Bytes of an object as `configure sdo-read` and the page show them.
 
-#include "canopus/cli/project/shown_data.hpp"
+#include "canopus/cli/module_settings/shown_data.hpp"
 
 #include <array>
 #include <cstdint>

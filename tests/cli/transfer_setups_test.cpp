@@ -17,9 +17,9 @@
 #include <gtest/gtest.h>
 
 #include "canopus/cli/commands/plc_command.hpp"
+#include "canopus/cli/module_settings/configure_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/parser.hpp"
-#include "canopus/cli/project/configure_command.hpp"
 #include "canopus/serve/melsec_server.hpp"
 #include "canopus/store/folder_lock.hpp"
 

@@ -6,11 +6,11 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "canopus/module/areas/emergency_buffer.hpp"
-#include "canopus/module/areas/error_status.hpp"
-#include "canopus/module/areas/network_variables.hpp"
-#include "canopus/module/areas/nmt_status.hpp"
-#include "canopus/module/me3can1_q/model.hpp"
+#include "canopus/module/canopen/emergency_buffer.hpp"
+#include "canopus/module/canopen/network_variables.hpp"
+#include "canopus/module/canopen/nmt_status.hpp"
+#include "canopus/module/memory/error_status.hpp"
+#include "canopus/module/models/me3can1_q/model.hpp"
 #include "canopus/module/storage/stored_settings.hpp"
 
 namespace canopus::module::areas_test {

@@ -1,4 +1,4 @@
-#include "canopus/module/areas/buffer_memory.hpp"
+#include "canopus/module/memory/buffer_memory.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The Layer 2 engine by itself: what the modules' rules change, with the layout of the FX3U-CAN.
 
-#include "canopus/module/areas/layer2.hpp"
+#include "canopus/module/layer2/layer2.hpp"
 
 #include <vector>
 

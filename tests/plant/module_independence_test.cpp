@@ -43,12 +43,10 @@ std::vector<Source> all_sources() {
   return all;
 }
 
-/// The folders of module/ that hold a module: those that have a table of errors.
 std::vector<std::string> module_folders() {
   std::vector<std::string> folders;
-  for (const auto& entry : fs::directory_iterator(sources / "module"))
-    if (fs::exists(entry.path() / "error_table.hpp"))
-      folders.push_back("module/" + entry.path().filename().string() + "/");
+  for (const auto& entry : fs::directory_iterator(sources / "module" / "models"))
+    folders.push_back("module/models/" + entry.path().filename().string() + "/");
   return folders;
 }
 

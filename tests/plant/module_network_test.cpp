@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/module/me3can1_q/me3can1_q.hpp"
+#include "canopus/module/models/me3can1_q/me3can1_q.hpp"
 
 namespace canopus::plant::module_network_test {
 namespace {

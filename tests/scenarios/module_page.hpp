@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "canopus/module/areas/buffer_memory.hpp"
+#include "canopus/module/memory/buffer_memory.hpp"
 
 #include "paths.hpp"
 #include "support/spec_table.hpp"

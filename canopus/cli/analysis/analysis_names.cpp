@@ -7,7 +7,7 @@
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/eds/device_file.hpp"
-#include "canopus/network/network_file.hpp"
+#include "canopus/master/network_file.hpp"
 #include "canopus/plant/initial_nodes.hpp"
 #include "canopus/text/file_text.hpp"
 
@@ -52,13 +52,13 @@ bool add_network(const std::string& path, trace::Names& names, Output& err) {
     err.line("canopus: {}", text.error());
     return false;
   }
-  network::NetworkReading reading = network::read_network(*text, path);
+  master::NetworkReading reading = master::read_network(*text, path);
   if (!reading.errors.empty()) {
     print_errors(std::move(reading.errors), path, err);
     return false;
   }
   names.add({.node_id = reading.network.node, .name = "master"});
-  for (const network::NetworkSlave& slave : reading.network.slaves) {
+  for (const master::NetworkSlave& slave : reading.network.slaves) {
     std::shared_ptr<const canopen::DictionaryDescription> dictionary;
     std::string name = slave.name;
     if (!slave.eds.empty()) {

@@ -9,7 +9,7 @@
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/terminal/boot_report.hpp"
-#include "canopus/network/network_master.hpp"
+#include "canopus/master/network_master.hpp"
 #include "canopus/text/file_text.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"
@@ -48,34 +48,34 @@ std::string_view describe(manager::ErrorControlEvent event) {
 }
 
 /// Lines of progress, for people or programs.
-class Printer final : public network::NetworkObserver {
+class Printer final : public master::NetworkObserver {
  public:
   Printer(bool json, bool quiet, bool colour) : json_(json), quiet_(quiet), colour_(colour) {}
 
-  void boot_went_on(const network::NetworkSlave& slave, const BootRecord& record, can::Time now) override {
+  void boot_went_on(const master::NetworkSlave& slave, const BootRecord& record, can::Time now) override {
     if (record.step == BootStep::idle) return;
     if (json_) return event("step", slave, now, boot_fields(record, now));
     line(slave, now, manager::describe(record), "2");
   }
-  void slave_booted(const network::NetworkSlave& slave, can::Time now) override {
+  void slave_booted(const master::NetworkSlave& slave, can::Time now) override {
     if (json_) return event("booted", slave, now, {});
     line(slave, now, "booted", "32");
   }
-  void slave_failed(const network::NetworkSlave& slave, const BootRecord& record, can::Time now) override {
+  void slave_failed(const master::NetworkSlave& slave, const BootRecord& record, can::Time now) override {
     if (json_) return event("failed", slave, now, boot_fields(record, now));
     line(slave, now, manager::describe(record), "31");
   }
-  void state_changed(const network::NetworkSlave& slave, std::uint8_t state, can::Time now) override {
+  void state_changed(const master::NetworkSlave& slave, std::uint8_t state, can::Time now) override {
     if (state == manager::node_state::unknown) return;
     if (json_) return event("state", slave, now, {{"state", state_name(state)}});
     line(slave, now, std::string(state_name(state)), "36");
   }
-  void error_control_event(const network::NetworkSlave& slave, manager::ErrorControlEvent what,
+  void error_control_event(const master::NetworkSlave& slave, manager::ErrorControlEvent what,
                            can::Time now) override {
     if (json_) return event("error control", slave, now, {{"what", describe(what)}});
     line(slave, now, std::string(describe(what)), "31");
   }
-  void error_control_resolved(const network::NetworkSlave& slave, can::Time now) override {
+  void error_control_resolved(const master::NetworkSlave& slave, can::Time now) override {
     if (json_) return event("heard again", slave, now, {});
     line(slave, now, "is heard again", "32");
   }
@@ -90,17 +90,17 @@ class Printer final : public network::NetworkObserver {
   }
 
   /// What has become of everybody. True when the network is as it should be.
-  bool summary(const network::NetworkMaster& network, can::Time now) {
+  bool summary(const master::NetworkMaster& network, can::Time now) {
     bool good = true;
     bool stands_by = false;
     unsigned booted = 0;
-    for (const network::NetworkSlave& slave : network.slaves()) {
+    for (const master::NetworkSlave& slave : network.slaves()) {
       const auto result = network.result(slave);
       const BootRecord& record = network.master().boot_record(slave.node);
-      if (result == network::NetworkMaster::Result::booted) ++booted;
-      if (result == network::NetworkMaster::Result::left_to_the_active_master) stands_by = true;
-      if (result == network::NetworkMaster::Result::failed ||
-          result == network::NetworkMaster::Result::given_up)
+      if (result == master::NetworkMaster::Result::booted) ++booted;
+      if (result == master::NetworkMaster::Result::left_to_the_active_master) stands_by = true;
+      if (result == master::NetworkMaster::Result::failed ||
+          result == master::NetworkMaster::Result::given_up)
         good = false;
       print_result(slave, result, record, network.master().node_state(slave.node), now);
     }
@@ -132,31 +132,30 @@ class Printer final : public network::NetworkObserver {
     return fields;
   }
 
-  void print_result(const network::NetworkSlave& slave, network::NetworkMaster::Result result,
+  void print_result(const master::NetworkSlave& slave, master::NetworkMaster::Result result,
                     const BootRecord& record, std::uint8_t state, can::Time now) {
     switch (result) {
-      case network::NetworkMaster::Result::booted:
+      case master::NetworkMaster::Result::booted:
         if (!json_ && !quiet_) {
-          print_line("{}: {}, {}", network::describe(slave), paint("booted", "32", colour_),
+          print_line("{}: {}, {}", master::describe(slave), paint("booted", "32", colour_),
                      state_name(state));
         } else if (json_) {
           event("result", slave, now, {{"result", "booted"}, {"state", state_name(state)}});
         }
         return;
-      case network::NetworkMaster::Result::absent:
+      case master::NetworkMaster::Result::absent:
         if (json_) return event("result", slave, now, {{"result", "absent"}});
-        if (!quiet_)
-          print_line("{}: {} (optional)", network::describe(slave), paint("absent", "33", colour_));
+        if (!quiet_) print_line("{}: {} (optional)", master::describe(slave), paint("absent", "33", colour_));
         return;
-      case network::NetworkMaster::Result::given_up:
+      case master::NetworkMaster::Result::given_up:
         if (json_) return event("result", slave, now, {{"result", "given up"}});
         if (!quiet_) {
-          print_line("{}: {}, another slave ended the start-up", network::describe(slave),
+          print_line("{}: {}, another slave ended the start-up", master::describe(slave),
                      paint("given up", "33", colour_));
         }
         return;
-      case network::NetworkMaster::Result::left_to_the_active_master: return;
-      case network::NetworkMaster::Result::failed: break;
+      case master::NetworkMaster::Result::left_to_the_active_master: return;
+      case master::NetworkMaster::Result::failed: break;
     }
     if (json_) {
       text::Json fields = boot_fields(record, now);
@@ -164,15 +163,15 @@ class Printer final : public network::NetworkObserver {
       return event("result", slave, now, std::move(fields));
     }
     const std::string reason = manager::explain(record, now);
-    print_line("{}: {}: {}", network::describe(slave), paint("not booted", "31", colour_), reason);
+    print_line("{}: {}: {}", master::describe(slave), paint("not booted", "31", colour_), reason);
   }
 
-  void line(const network::NetworkSlave& slave, can::Time now, const std::string& text,
+  void line(const master::NetworkSlave& slave, can::Time now, const std::string& text,
             std::string_view colour) {
     if (quiet_) return;
-    print_line("{:12.6f}  {}: {}", can::seconds(now), network::describe(slave), paint(text, colour, colour_));
+    print_line("{:12.6f}  {}: {}", can::seconds(now), master::describe(slave), paint(text, colour, colour_));
   }
-  void event(const char* name, const network::NetworkSlave& slave, can::Time now, text::Json more) {
+  void event(const char* name, const master::NetworkSlave& slave, can::Time now, text::Json more) {
     text::Json object{{"event", name}, {"time", can::seconds(now)}, {"node", slave.node}};
     if (!slave.name.empty()) object["name"] = slave.name;
     for (const auto& [key, value] : more.items()) object[key] = value;
@@ -184,17 +183,17 @@ class Printer final : public network::NetworkObserver {
   bool colour_;
 };
 
-std::optional<network::NetworkFile> read_network_file(const std::string& path) {
-  network::NetworkReading reading;
+std::optional<master::NetworkFile> read_network_file(const std::string& path) {
+  master::NetworkReading reading;
   if (path.ends_with(".cpj") || path.ends_with(".CPJ")) {
-    reading = network::read_project(path);
+    reading = master::read_project(path);
   } else {
     const auto text = text::read_file(path);
     if (!text) {
       complain(exit_code::usage, text.error());
       return std::nullopt;
     }
-    reading = network::read_network(*text, path);
+    reading = master::read_network(*text, path);
   }
   for (const text::FileError& error : reading.errors) print_error("{}", describe(error, path));
   if (!reading.errors.empty()) return std::nullopt;
@@ -222,14 +221,14 @@ int boot(const MasterArguments& arguments) {
 
   Printer printer(arguments.bus.json, arguments.quiet, !arguments.bus.json && wants_colour(STDOUT_FILENO));
   NoBus no_bus;
-  if (const auto trial = network::NetworkMaster::build(*file, no_bus, printer); !trial) {
+  if (const auto trial = master::NetworkMaster::build(*file, no_bus, printer); !trial) {
     for (const text::FileError& error : trial.error()) print_error("{}", describe(error, file->path));
     return exit_code::usage;
   }
   const auto boot_on = [&](BusLoop& bus, can::Duration time_out) -> int {
-    auto network = network::NetworkMaster::build(*file, bus, printer);
+    auto network = master::NetworkMaster::build(*file, bus, printer);
     if (!network) return complain(exit_code::failed, "a device file changed meanwhile");
-    network::NetworkMaster& master = **network;
+    master::NetworkMaster& master = **network;
     master.set_sdo_time_out(time_out);
     bus.add(master);
     const can::Time end = duration ? can::later(bus.now(), *duration) : can::never;

@@ -12,7 +12,7 @@
 #include "canopus/cli/events/web_values.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
 #include "canopus/cli/terminal/boot_report.hpp"
-#include "canopus/module/areas/network_variables.hpp"
+#include "canopus/module/canopen/network_variables.hpp"
 #include "canopus/plant/device_on_bus.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 

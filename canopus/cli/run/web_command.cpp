@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/commands/plc_arguments.hpp"
-#include "canopus/cli/network/project_folder.hpp"
+#include "canopus/cli/network_project/project_folder.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/run/run_loop.hpp"
@@ -43,7 +43,7 @@ std::string in_toml(std::string_view text) {
 }
 
 /// A plant of one bus: the real one, or a simulated one with the project's nodes.
-std::string plant_text(const WebArguments& arguments, const project::NetworkProject& project,
+std::string plant_text(const WebArguments& arguments, const network_project::NetworkProject& project,
                        const std::string& list, bool with_devices) {
   constexpr std::uint32_t usual_bit_rate = 500'000;
   const std::uint32_t bit_rate = project.bit_rate() != 0 ? project.bit_rate() : usual_bit_rate;

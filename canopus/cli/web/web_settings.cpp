@@ -1,6 +1,6 @@
 #include "canopus/cli/web/web_settings.hpp"
 
-#include "canopus/cli/project/project_files.hpp"
+#include "canopus/cli/module_settings/project_files.hpp"
 
 namespace canopus::cli {
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/project/project_files.hpp"
+#include "canopus/cli/module_settings/project_files.hpp"
 #include "canopus/cli/web/example_files.hpp"
 #include "canopus/text/file_text.hpp"
 #include "canopus/text/printable.hpp"

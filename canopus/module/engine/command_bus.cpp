@@ -1,6 +1,6 @@
 #include "canopus/module/engine/command_bus.hpp"
 
-#include "canopus/module/areas/pdo_mapping.hpp"
+#include "canopus/module/commands/pdo_mapping.hpp"
 #include "canopus/module/engine/module_context.hpp"
 
 namespace canopus::module {
@@ -65,8 +65,8 @@ CommandHost::EmergencyAnswer CommandBus::send_emergency(std::uint16_t code, std:
   return EmergencyAnswer::sent;
 }
 
-CommandHost::FrameAnswer CommandBus::send_plain_frame(std::span<const std::uint16_t> parameters,
-                                                      std::span<std::uint16_t> faults) {
+PlainFrameResult CommandBus::send_plain_frame(std::span<const std::uint16_t> parameters,
+                                              std::span<std::uint16_t> faults) {
   return parts_.layer2.send(parameters, faults);
 }
 

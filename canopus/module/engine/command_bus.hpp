@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "canopus/module/areas/command_interface.hpp"
+#include "canopus/module/commands/command_interface.hpp"
 
 namespace canopus::module {
 
@@ -26,8 +26,8 @@ class CommandBus final : public CommandHost {
   bool sdo_channel_free(std::uint8_t node_id) const override;
   EmergencyAnswer send_emergency(std::uint16_t code, std::uint8_t error_register,
                                  std::span<const std::uint8_t, 5> manufacturer, can::Time now) override;
-  FrameAnswer send_plain_frame(std::span<const std::uint16_t> parameters,
-                               std::span<std::uint16_t> faults) override;
+  PlainFrameResult send_plain_frame(std::span<const std::uint16_t> parameters,
+                                    std::span<std::uint16_t> faults) override;
   bool is_nmt_master() const override;
   std::uint16_t pdos() const override;
   void map_pdos(PdoMapping mapping, can::Time now) override;

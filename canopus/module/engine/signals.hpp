@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "canopus/module/areas/buffer_memory.hpp"
 #include "canopus/module/engine/request_port.hpp"
 #include "canopus/module/interface/observer.hpp"
+#include "canopus/module/memory/buffer_memory.hpp"
 
 namespace canopus::module {
 

@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "canopus/module/areas/buffer_memory.hpp"
 #include "canopus/module/engine/request_port.hpp"
+#include "canopus/module/memory/buffer_memory.hpp"
 
 namespace canopus::module {
 

@@ -12,7 +12,7 @@
 #include "canopus/canopen/service/node_options.hpp"
 #include "canopus/manager/boot/master_options.hpp"
 #include "canopus/manager/configuration/configuration_manager.hpp"
-#include "canopus/module/areas/object_rows.hpp"
+#include "canopus/module/canopen/object_rows.hpp"
 #include "canopus/module/q_iqr/words.hpp"
 
 namespace canopus::module::q_iqr {

@@ -1,6 +1,6 @@
 #include <array>
 
-#include "canopus/module/areas/object_rows.hpp"
+#include "canopus/module/canopen/object_rows.hpp"
 #include "canopus/module/q_iqr/canopen_options.hpp"
 #include "canopus/module/q_iqr/words.hpp"
 

@@ -4,13 +4,13 @@
 
 #include <array>
 
-#include "canopus/module/areas/command_interface.hpp"
-#include "canopus/module/areas/emergency_buffer.hpp"
-#include "canopus/module/areas/layer2_settings.hpp"
-#include "canopus/module/areas/module_state.hpp"
-#include "canopus/module/areas/network_settings.hpp"
-#include "canopus/module/areas/nmt_status.hpp"
+#include "canopus/module/canopen/emergency_buffer.hpp"
+#include "canopus/module/canopen/network_settings.hpp"
+#include "canopus/module/canopen/nmt_status.hpp"
+#include "canopus/module/commands/command_interface.hpp"
 #include "canopus/module/engine/module_model.hpp"
+#include "canopus/module/layer2/layer2_settings.hpp"
+#include "canopus/module/memory/module_state.hpp"
 #include "canopus/module/q_iqr/words.hpp"
 
 namespace canopus::module::q_iqr {

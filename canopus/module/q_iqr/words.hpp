@@ -4,8 +4,8 @@
 
 #include <array>
 
-#include "canopus/module/areas/buffer_memory.hpp"
 #include "canopus/module/interface/program_interface.hpp"
+#include "canopus/module/memory/buffer_memory.hpp"
 
 namespace canopus::module::q_iqr {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "canopus/canopen/dictionary/stored_values.hpp"
-#include "canopus/module/areas/buffer_memory.hpp"
+#include "canopus/module/memory/buffer_memory.hpp"
 
 namespace canopus::module {
 

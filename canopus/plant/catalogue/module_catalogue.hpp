@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
-#include "canopus/module/areas/buffer_memory.hpp"
 #include "canopus/module/interface/communication_module.hpp"
 #include "canopus/module/interface/configuration_tool.hpp"
 #include "canopus/module/interface/data_sheet.hpp"
@@ -18,6 +17,7 @@
 #include "canopus/module/interface/error_words.hpp"
 #include "canopus/module/interface/non_volatile_memory.hpp"
 #include "canopus/module/interface/reset_procedure.hpp"
+#include "canopus/module/memory/buffer_memory.hpp"
 #include "canopus/plc/cpu/device.hpp"
 
 namespace canopus::plant {

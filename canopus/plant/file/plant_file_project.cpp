@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "canopus/network_project/project_members.hpp"
 #include "canopus/plant/file/plant_sections.hpp"
-#include "canopus/project/nodelist/project_members.hpp"
 #include "canopus/store/inner_path.hpp"
 #include "canopus/text/file_text.hpp"
 
@@ -44,8 +44,8 @@ void add_projects(PlantFile& plant, std::vector<text::FileError>& errors) {
     const auto read_dcf = [&](const std::string& below, const std::string& name) {
       return store::read_inner_file(folder / below, name);
     };
-    const project::ProjectMembers project =
-        project::read_members(bus.project, list, bus.project_network - 1, read_dcf);
+    const network_project::ProjectMembers project =
+        network_project::read_members(bus.project, list, bus.project_network - 1, read_dcf);
     for (const std::string& error : project.errors) {
       errors.push_back({bus.project_place, fmt::format("project = \"{}\": {}", bus.project, error)});
     }
@@ -54,7 +54,7 @@ void add_projects(PlantFile& plant, std::vector<text::FileError>& errors) {
           {bus.project_place, fmt::format("project = \"{}\": its DCFs say {} kbit/s, bit_rate {} kbit/s",
                                           bus.project, project.bit_rate / 1000, bus.bit_rate / 1000)});
     }
-    for (const project::ProjectMember& member : project.members) {
+    for (const network_project::ProjectMember& member : project.members) {
       if (DeviceSection* own = find_device(plant, bus, member.node_id); own != nullptr) {
         if (own->eds.empty()) own->eds = member.path;
         if (own->name.empty()) own->name = member.name;

@@ -18,8 +18,8 @@
 
 #include <gtest/gtest.h>
 
-#include "canopus/module/as_fcopm/as_fcopm.hpp"
-#include "canopus/module/as_fcopm/register_table.hpp"
+#include "canopus/module/models/as_fcopm/as_fcopm.hpp"
+#include "canopus/module/models/as_fcopm/register_table.hpp"
 
 #include "scenarios/scenario.hpp"
 

@@ -1,6 +1,6 @@
 // The card as slave: scenarios D-05 and F-03 to F-07 of spec/as-fcopm/scenarios.md.
 
-#include "canopus/module/as_fcopm/object_table.hpp"
+#include "canopus/module/models/as_fcopm/object_table.hpp"
 
 #include "scenarios/as_fcopm/card.hpp"
 

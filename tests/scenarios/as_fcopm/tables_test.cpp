@@ -2,8 +2,8 @@
 
 #include <set>
 
-#include "canopus/module/as_fcopm/data_sheet.hpp"
-#include "canopus/module/as_fcopm/object_table.hpp"
+#include "canopus/module/models/as_fcopm/data_sheet.hpp"
+#include "canopus/module/models/as_fcopm/object_table.hpp"
 
 #include "scenarios/as_fcopm/card.hpp"
 #include "scenarios/module_page.hpp"

@@ -4,7 +4,7 @@
 #include <array>
 #include <map>
 
-#include "canopus/module/areas/object_rows.hpp"
+#include "canopus/module/canopen/object_rows.hpp"
 
 namespace canopus::scenario::sketch {
 

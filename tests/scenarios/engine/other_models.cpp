@@ -1,6 +1,6 @@
 #include "scenarios/engine/other_models.hpp"
 
-#include "canopus/module/areas/object_rows.hpp"
+#include "canopus/module/canopen/object_rows.hpp"
 #include "canopus/module/engine/signal_port.hpp"
 
 namespace canopus::scenario::other_models {

@@ -10,7 +10,7 @@
 //   s.cif({0x0004, 0, 0x1000, 0});             // run 4
 //   s.expect(1000, 0x0005);
 
-#include "canopus/module/fx2n_32can/fx2n_32can.hpp"
+#include "canopus/module/models/fx2n_32can/fx2n_32can.hpp"
 
 #include "scenarios/engine/fluent_scenario.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "canopus/module/fx2n_32can/data_sheet.hpp"
 #include "canopus/module/interface/led.hpp"
+#include "canopus/module/models/fx2n_32can/data_sheet.hpp"
 
 #include "scenarios/fx2n_32can/scenario.hpp"
 

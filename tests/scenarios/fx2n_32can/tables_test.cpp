@@ -2,8 +2,8 @@
 
 #include <set>
 
-#include "canopus/module/fx2n_32can/buffer_table.hpp"
-#include "canopus/module/fx2n_32can/object_table.hpp"
+#include "canopus/module/models/fx2n_32can/buffer_table.hpp"
+#include "canopus/module/models/fx2n_32can/object_table.hpp"
 
 #include "scenarios/fx2n_32can/scenario.hpp"
 #include "scenarios/module_page.hpp"

@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "canopus/module/fx3u_can/object_table.hpp"
+#include "canopus/module/models/fx3u_can/object_table.hpp"
 
 #include "scenarios/fx3u_can/lift_scenario.hpp"
 #include "support/spec_table.hpp"

@@ -8,7 +8,7 @@
 #include "canopus/can/timeline.hpp"
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/module/engine/module_engine.hpp"
-#include "canopus/module/fx3u_can/fx3u_can.hpp"
+#include "canopus/module/models/fx3u_can/fx3u_can.hpp"
 #include "canopus/sim/bus/bus.hpp"
 
 #include "scenarios/scenario.hpp"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-#include "canopus/module/me3can1_q/me3can1_q.hpp"
+#include "canopus/module/models/me3can1_q/me3can1_q.hpp"
 
 namespace canopus::scenario::fx3u_can_network_test {
 namespace {

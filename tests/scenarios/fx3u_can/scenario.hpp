@@ -9,7 +9,7 @@
 //   s.exchange();              // #20=1, wait b0=0
 //   s.cif({0x0004, 0, 0x1000, 0}).expect(1000, 0x0005);
 
-#include "canopus/module/fx3u_can/fx3u_can.hpp"
+#include "canopus/module/models/fx3u_can/fx3u_can.hpp"
 
 #include "scenarios/engine/fluent_scenario.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <set>
 
-#include "canopus/module/fx3u_can/buffer_table.hpp"
-#include "canopus/module/fx3u_can/object_table.hpp"
+#include "canopus/module/models/fx3u_can/buffer_table.hpp"
+#include "canopus/module/models/fx3u_can/object_table.hpp"
 
 #include "scenarios/fx3u_can/scenario.hpp"
 #include "scenarios/module_page.hpp"

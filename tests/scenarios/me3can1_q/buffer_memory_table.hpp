@@ -4,7 +4,7 @@
 #include <functional>
 #include <set>
 
-#include "canopus/module/me3can1_q/buffer_table.hpp"
+#include "canopus/module/models/me3can1_q/buffer_table.hpp"
 
 #include "scenarios/me3can1_q/scenario.hpp"
 #include "support/spec_table.hpp"

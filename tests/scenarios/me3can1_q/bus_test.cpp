@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "canopus/module/me3can1_q/me3can1_q.hpp"
+#include "canopus/module/models/me3can1_q/me3can1_q.hpp"
 #include "canopus/plc/melsec/session.hpp"
 #include "canopus/plc/rack/rack.hpp"
 

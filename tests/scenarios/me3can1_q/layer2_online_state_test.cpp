@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "canopus/module/me3can1_q/me3can1_q.hpp"
+#include "canopus/module/models/me3can1_q/me3can1_q.hpp"
 #include "canopus/plc/rack/rack.hpp"
 #include "canopus/sim/bus/bus.hpp"
 

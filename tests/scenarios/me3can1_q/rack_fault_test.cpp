@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "canopus/module/me3can1_q/buffer_table.hpp"
+#include "canopus/module/models/me3can1_q/buffer_table.hpp"
 #include "canopus/plc/melsec/session.hpp"
 
 #include "scenarios/me3can1_q/rack_bench.hpp"

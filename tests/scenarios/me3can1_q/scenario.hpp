@@ -10,8 +10,8 @@
 #include <memory>
 #include <string_view>
 
-#include "canopus/module/me3can1_q/me3can1_q.hpp"
-#include "canopus/module/rj71cn91/rj71cn91.hpp"
+#include "canopus/module/models/me3can1_q/me3can1_q.hpp"
+#include "canopus/module/models/rj71cn91/rj71cn91.hpp"
 
 #include "scenarios/scenario.hpp"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
-#include "canopus/module/rj71cn91/event_table.hpp"
+#include "canopus/module/models/rj71cn91/event_table.hpp"
 
 #include "scenarios/me3can1_q/scenario.hpp"
 #include "support/spec_table.hpp"

@@ -1,7 +1,7 @@
 // Defaults, counters, hardware and flash memory, what the CPU is shown of them [RJ71CN91 5.1 to 5.6, App. 2].
 
 #include "canopus/module/engine/module_settings.hpp"
-#include "canopus/module/rj71cn91/buffer_table.hpp"
+#include "canopus/module/models/rj71cn91/buffer_table.hpp"
 #include "canopus/module/storage/flash_memory.hpp"
 #include "canopus/sim/bus/bus.hpp"
 

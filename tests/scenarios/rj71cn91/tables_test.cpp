@@ -4,9 +4,9 @@
 #include <set>
 
 #include "canopus/module/engine/signals.hpp"
-#include "canopus/module/rj71cn91/buffer_table.hpp"
-#include "canopus/module/rj71cn91/model.hpp"
-#include "canopus/module/rj71cn91/object_table.hpp"
+#include "canopus/module/models/rj71cn91/buffer_table.hpp"
+#include "canopus/module/models/rj71cn91/model.hpp"
+#include "canopus/module/models/rj71cn91/object_table.hpp"
 
 #include "scenarios/me3can1_q/scenario.hpp"
 #include "scenarios/module_page.hpp"

@@ -1,0 +1,27 @@
+#pragma once
+// The MELSEC Q module ME3CAN1-Q: 32 points, buffer memory Un\G0..., one CAN port, three function modes:
+// CANopen (CiA 405) and plain CAN with 11- or 29-bit identifiers.
+//
+// All of it is facts: model.cpp and the tables beside it. What they do is in canopus/module.
+
+#include "canopus/module/engine/module_engine.hpp"
+#include "canopus/module/models/me3can1_q/model.hpp"
+
+namespace canopus::module::me3can1_q {
+
+class Me3can1Q final : public ModuleEngine {
+ public:
+  /// Off until power_on(). The controller and the memory must outlive the module.
+  Me3can1Q(can::Controller& controller, NonVolatileMemory& memory, const Profile& profile = {})
+      : ModuleEngine(me3can1_q::model, controller, memory, profile) {}
+
+  // Its signals, without the way over signals().
+  [[nodiscard]] std::uint32_t inputs() const noexcept { return signals_->inputs(); }
+  [[nodiscard]] std::uint32_t outputs() const noexcept { return signals_->outputs(); }
+  void set_output(unsigned signal, bool on, can::Time now) { signals_->set_output(signal, on, now); }
+
+ private:
+  SignalAccess* signals_ = signals();
+};
+
+}  // namespace canopus::module::me3can1_q

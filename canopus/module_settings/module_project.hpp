@@ -1,0 +1,97 @@
+#pragma once
+// The settings of one communication module as a project: what its configuration tool keeps, checks and writes [FX3U-CAN 15].
+
+#include <cstdint>
+#include <expected>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/manager/nmt/flying_master.hpp"
+#include "canopus/module_settings/module_windows.hpp"
+
+namespace canopus::module_settings {
+
+/// A row of a window, or the only set of its fields.
+struct Row {
+  std::vector<std::uint32_t> values;  ///< one for each field of the window
+  /// Of a PDO: index, sub-index, bits, as 1A00H has them; at most 64 bits.
+  std::vector<std::uint32_t> mapping{};
+  std::string name{};  ///< of a node: 1 to 256 characters
+};
+
+/// What is wrong, and where: "tpdo 3: Event timer = 70000: expected 0 to 65535 ms".
+struct ProjectFinding {
+  bool is_error = true;  ///< else a warning
+  std::string text;
+};
+
+class ModuleProject {
+ public:
+  /// Every window without rows has its defaults; lists are empty.
+  explicit ModuleProject(const module::ConfigurationTool& tool);
+
+  [[nodiscard]] const module::ConfigurationTool& tool() const noexcept { return *tool_; }
+  [[nodiscard]] std::uint32_t node_id() const noexcept { return value("basic", "Node ID"); }
+
+  /// The number behind U: Module number, or Module address / 16.
+  [[nodiscard]] std::uint32_t unit_number() const noexcept {
+    return value("basic", "Module number") + value("basic", "Module address") / 0x10;
+  }
+
+  /// By its word; nullptr: the model has no such window.
+  [[nodiscard]] const Window* window(std::string_view word) const noexcept;
+  /// Rows by their number; of a window without rows the only one, 0.
+  [[nodiscard]] const std::map<std::uint32_t, Row>& rows(const Window& window) const;
+
+  /// A row with the defaults. The error: the number is out of range, there already, or the list is full.
+  std::expected<void, std::string> add(const Window& window, std::uint32_t key);
+  /// False: there is none.
+  bool remove(const Window& window, std::uint32_t key);
+  /// Checked as why_not() says; nothing changes on an error. The row must be there.
+  std::expected<void, std::string> set(const Window& window, std::uint32_t key, std::string_view field,
+                                       std::string_view text);
+  std::expected<void, std::string> set_mapping(const Window& window, std::uint32_t key,
+                                               std::vector<std::uint32_t> mapping);
+  /// [Restore default values]: a window without rows gets its defaults, a list loses its rows.
+  void restore_defaults(const Window& window);
+  /// As it was read: not checked.
+  void put(const Window& window, std::uint32_t key, Row row) { rows_[window.word][key] = std::move(row); }
+
+  [[nodiscard]] std::uint32_t value(std::string_view window, std::string_view field,
+                                    std::uint32_t key = 0) const noexcept;
+  /// The defaults of a row, for this project's node-ID.
+  [[nodiscard]] Row factory_row(const Window& window, std::uint32_t key) const;
+
+  /// After what time the module answers a negotiation of flying masters, whether or not it is one: "negotiation: 500 ms + 1 x
+  /// 1500 ms + 5 x 10 ms = 2.05 s; ..."
+  [[nodiscard]] std::string negotiation() const;
+  /// What is wrong with its time slots; empty: nothing.
+  [[nodiscard]] std::string overlapping_slots() const;
+
+  /// Checks the range of every value, and values that depend on each other.
+  [[nodiscard]] std::vector<ProjectFinding> check() const;
+
+ private:
+  [[nodiscard]] manager::FlyingMasterTiming flying_timing() const;
+  /// Rows of a node list whose settings the CPU module holds, without this row and the module itself.
+  [[nodiscard]] std::size_t from_cpu_beside(const Window& window, std::uint32_t key) const;
+  [[nodiscard]] std::string why_not_target(const Window& window, std::uint32_t key,
+                                           std::uint32_t target) const;
+  std::expected<void, std::string> set_part_of_cob_id(const Window& window, std::uint32_t key,
+                                                      const Field& cob_id, std::string_view name,
+                                                      std::string_view text);
+  std::expected<void, std::string> set_value(const Window& window, std::uint32_t key, const Field& field,
+                                             std::uint32_t value);
+
+  const module::ConfigurationTool* tool_;
+  std::map<std::string_view, std::map<std::uint32_t, Row>> rows_;
+};
+
+/// What is wrong with a node's name: not UTF-8, empty, longer than 256 characters, control characters; empty: nothing.
+[[nodiscard]] std::string why_no_name(std::string_view name);
+/// What is wrong with a list of mapped objects: "more than 64 bits" and the like; empty: nothing.
+[[nodiscard]] std::string why_no_mapping(const std::vector<std::uint32_t>& mapping);
+
+}  // namespace canopus::module_settings

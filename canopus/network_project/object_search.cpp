@@ -1,0 +1,102 @@
+// Objects of a node by number or name.
+
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "canopus/eds/words.hpp"
+#include "canopus/network_project/network_project.hpp"
+
+namespace canopus::network_project {
+namespace {
+
+std::optional<unsigned> hexadecimal(std::string_view text) {
+  text = eds::trim(text);
+  if (text.starts_with("0x") || text.starts_with("0X")) text.remove_prefix(2);
+  if (text.ends_with('H') || text.ends_with('h')) text.remove_suffix(1);
+  unsigned value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
+  if (text.empty() || failure != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// "6000:01", "1017"; nothing: it is none.
+canopen::Entry find_by_number(const canopen::DictionaryDescription& dictionary, std::string_view text) {
+  const std::size_t colon = text.find(':');
+  const auto index = hexadecimal(text.substr(0, colon));
+  const auto sub = colon == std::string_view::npos ? std::optional(0U) : hexadecimal(text.substr(colon + 1));
+  if (!index || *index > 0xFFFF || !sub || *sub > 0xFF) return {};
+  return dictionary.find(static_cast<std::uint16_t>(*index), static_cast<std::uint8_t>(*sub));
+}
+
+/// How people may write a name: "A: B", "A.B", "A/B".
+std::string comparable(std::string_view text) {
+  std::string result;
+  for (const char c : eds::lower(text)) {
+    if (c == ':' || c == '.' || c == '/') {
+      while (result.ends_with(' ')) result.pop_back();
+      result += ':';
+    } else if (c != ' ' || (!result.empty() && result.back() != ' ' && result.back() != ':')) {
+      result += c;
+    }
+  }
+  return result;
+}
+
+constexpr std::size_t most_named = 6;
+
+std::string listed(const eds::DeviceFile& file, const std::vector<canopen::Entry>& entries) {
+  std::string text;
+  for (std::size_t i = 0; i < entries.size() && i < most_named; ++i) {
+    if (i != 0) text += ", ";
+    text += fmt::format("{} ({})", eds::object_name(entries[i].index, entries[i].sub),
+                        eds::printable(object_title(file, entries[i])));
+  }
+  if (entries.size() > most_named) text += fmt::format(" and {} more", entries.size() - most_named);
+  return text;
+}
+
+}  // namespace
+
+std::string object_title(const eds::DeviceFile& file, const canopen::Entry& entry) {
+  const auto* object = file.dictionary->find(entry.index);
+  const std::string name(file.dictionary->name(*object));
+  const bool is_one =
+      object->code == canopen::ObjectCode::variable || object->code == canopen::ObjectCode::domain;
+  if (is_one) return name;
+  const std::string_view own = file.dictionary->name(entry);
+  return own.empty() || own == name ? fmt::format("{} {}", name, entry.sub)
+                                    : fmt::format("{}: {}", name, own);
+}
+
+std::expected<canopen::Entry, std::string> find_object(const ProjectNode& node, std::string_view text) {
+  if (node.device == nullptr)
+    return std::unexpected(fmt::format("{}: {}", node.shown_name(), node.trouble()));
+  const canopen::DictionaryDescription& dictionary = *node.device->dictionary;
+  if (const canopen::Entry entry = find_by_number(dictionary, text)) return entry;
+  const std::string wanted = comparable(eds::trim(text));
+  std::vector<canopen::Entry> exact;
+  std::vector<canopen::Entry> near;
+  for (const canopen::ObjectDescription& object : dictionary.objects()) {
+    for (unsigned sub = 0; sub <= object.highest_sub; ++sub) {
+      const canopen::Entry entry = dictionary.find(object, static_cast<std::uint8_t>(sub));
+      if (!entry) continue;
+      const std::string title = comparable(object_title(*node.device, entry));
+      const bool is_it = title == wanted || comparable(dictionary.name(entry)) == wanted;
+      if (is_it) exact.push_back(entry);
+      if (!is_it && wanted.size() >= 3 && title.find(wanted) != std::string::npos) near.push_back(entry);
+    }
+  }
+  if (exact.size() == 1) return exact.front();
+  const std::string_view shown = text;
+  if (!exact.empty()) {
+    return std::unexpected(fmt::format("{}: \"{}\" is the name of {}", node.shown_name(),
+                                       eds::printable(shown), listed(*node.device, exact)));
+  }
+  std::string message = fmt::format("{} has no object \"{}\"", node.shown_name(), eds::printable(shown));
+  message += near.empty() ? "; expected index:sub-index in hexadecimal, for example 6000:01, or its name"
+                          : "; did you mean " + listed(*node.device, near) + "?";
+  return std::unexpected(std::move(message));
+}
+
+}  // namespace canopus::network_project
