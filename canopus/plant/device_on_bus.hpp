@@ -61,7 +61,7 @@ class DeviceOnBus final : public can::Participant, private canopen::NodeListener
 
   void look(can::Time now) {
     const canopen::Node& node = device_.node();
-    const bool is_lss_slave = !device_.only_samples() && device_.lss() != nullptr;
+    const bool is_lss_slave = device_.lss() != nullptr;
     if (!is_lss_slave && node.identifiers_revision() == accepted_revision_ && node.state() == status_.state)
       return;
     look_closer(now);

@@ -288,7 +288,7 @@ RC_GTEST_PROP(BehaviourValue, DoesNotChangeBeforeItsNextChange, ()) {
 }
 
 /// Counters of whole numbers are worked out in another way than the rest, unless the object cannot hold them all.
-RC_GTEST_PROP(BehaviourSample, IsTheFittedValueAndItsNextChange, ()) {
+RC_GTEST_PROP(ValueGenerator, GivesTheFittedValueAndItsNextChange, ()) {
   Behaviour behaviour = any_behaviour();
   if (*rc::gen::arbitrary<bool>()) {
     behaviour.kind = Behaviour::Kind::counter;
@@ -302,10 +302,10 @@ RC_GTEST_PROP(BehaviourSample, IsTheFittedValueAndItsNextChange, ()) {
   canopen::Limits limits;
   if (type == DataType::unsigned8 && *rc::gen::arbitrary<bool>()) limits = {.low = 4, .high = 90};
   const sim::Bounds bounds = sim::bounds(type, limits);
-  sim::SampleCursor place;
+  sim::ValueGenerator generator(behaviour, bounds);
   Time now = at(can::Duration(*rc::gen::inRange<std::int64_t>(0, 10'000'000'000)));
   for (const int tenths : *rc::gen::container<std::vector<int>>(rc::gen::inRange(0, 40))) {
-    const sim::Sample sample = sim::sample_at(behaviour, bounds, now, place);
+    const sim::Sample sample = generator.at(now);
     const double value = sim::value_at(behaviour, now);
     RC_ASSERT(sample.value == sim::fitted(value, bounds));
     RC_ASSERT(sample.next_change == sim::next_change(behaviour, type, value, now));

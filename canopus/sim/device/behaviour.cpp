@@ -47,46 +47,36 @@ std::uint64_t steps_of(const Behaviour& behaviour) noexcept {
   return steps < exact ? static_cast<std::uint64_t>(steps) : std::uint64_t{1} << 63;
 }
 
-/// Where in its periods a behaviour is at a moment: `place` has come there, too.
-struct Phase {
-  Phase(const Behaviour& behaviour, can::Time now, SampleCursor& sample_place) noexcept
-      : period(std::max(behaviour.period, can::Duration{1})),
-        place(sample_place),
-        into(now.time_since_epoch() - place.number * period) {
-    if (into >= can::Duration{0} && into < period) return;
-    if (into >= period && into - period < period && place.steps != 0) {
-      place.go_to_next_period();
-      into -= period;
-      return;
-    }
-    place.number = now.time_since_epoch() / period;
-    place.steps = steps_of(behaviour);
-    place.step = static_cast<std::uint64_t>(place.number) % place.steps;
-    into = now.time_since_epoch() - place.number * period;
-  }
-  [[nodiscard]] double share() const noexcept {
-    return static_cast<double>(into.count()) / static_cast<double>(period.count());
-  }
+can::Duration period_of(const Behaviour& behaviour) noexcept {
+  return std::max(behaviour.period, can::Duration{1});
+}
 
-  can::Duration period;
-  SampleCursor& place;
-  can::Duration into;
-};
+Phase phase_at(const Behaviour& behaviour, can::Time now) noexcept {
+  const can::Duration period = period_of(behaviour);
+  const can::Duration::rep number = now.time_since_epoch() / period;
+  const std::uint64_t steps = steps_of(behaviour);
+  return {.number = number,
+          .into = now.time_since_epoch() - number * period,
+          .steps = steps,
+          .step = static_cast<std::uint64_t>(number) % steps};
+}
 
 double value_in(const Behaviour& behaviour, const Phase& phase) noexcept {
+  const auto share = [&] {
+    return static_cast<double>(phase.into.count()) / static_cast<double>(period_of(behaviour).count());
+  };
   const double span = behaviour.high - behaviour.low;
   switch (behaviour.kind) {
     case Behaviour::Kind::constant: return behaviour.low;
     case Behaviour::Kind::sine:
-      return behaviour.low + span * (0.5 + 0.5 * std::sin(2 * std::numbers::pi * phase.share()));
-    case Behaviour::Kind::ramp: return behaviour.low + span * phase.share();
+      return behaviour.low + span * (0.5 + 0.5 * std::sin(2 * std::numbers::pi * share()));
+    case Behaviour::Kind::ramp: return behaviour.low + span * share();
     case Behaviour::Kind::counter: {
       if (!(behaviour.step > 0)) return behaviour.low;
-      return behaviour.low + static_cast<double>(phase.place.step) * behaviour.step;
+      return behaviour.low + static_cast<double>(phase.step) * behaviour.step;
     }
     case Behaviour::Kind::noise: {
-      const std::uint64_t random =
-          mixed(mixed(behaviour.seed) ^ static_cast<std::uint64_t>(phase.place.number));
+      const std::uint64_t random = mixed(mixed(behaviour.seed) ^ static_cast<std::uint64_t>(phase.number));
       return behaviour.low + span * (static_cast<double>(random >> 11) / 0x1FFFFFFFFFFFFFp0);
     }
     case Behaviour::Kind::echo: return 0;
@@ -98,7 +88,7 @@ can::Time change_after(const Behaviour& behaviour, DataType type, double value, 
                        const Phase& phase) noexcept {
   using Kind = Behaviour::Kind;
   if (behaviour.kind == Kind::constant || behaviour.kind == Kind::echo) return can::never;
-  const auto period = phase.period;
+  const can::Duration period = period_of(behaviour);
   const can::Time next_period = can::later(now, period - phase.into);
   if (behaviour.kind == Kind::counter || behaviour.kind == Kind::noise) return next_period;
   const double span = behaviour.high - behaviour.low;
@@ -136,13 +126,11 @@ std::string_view name(Behaviour::Kind kind) noexcept {
 }
 
 double value_at(const Behaviour& behaviour, can::Time now) noexcept {
-  SampleCursor place;
-  return value_in(behaviour, Phase(behaviour, now, place));
+  return value_in(behaviour, phase_at(behaviour, now));
 }
 
 can::Time next_change(const Behaviour& behaviour, DataType type, double value, can::Time now) noexcept {
-  SampleCursor place;
-  return change_after(behaviour, type, value, now, Phase(behaviour, now, place));
+  return change_after(behaviour, type, value, now, phase_at(behaviour, now));
 }
 
 Bounds bounds(DataType type, const canopen::Limits& limits) noexcept {
@@ -169,39 +157,46 @@ std::uint64_t fitted(double value, const Bounds& bounds) noexcept {
                                   : whole<std::uint64_t>(value, bounds.low, bounds.high);
 }
 
-namespace {
+ValueGenerator::ValueGenerator(const Behaviour& behaviour, const Bounds& bounds) noexcept
+    : period_(period_of(behaviour)), behaviour_(behaviour), bounds_(bounds) {
+  phase_.steps = steps_of(behaviour);
+  find_whole_numbers();
+}
 
-void look_for_whole_numbers(const Behaviour& behaviour, const Bounds& bounds, SampleCursor& place) noexcept {
+void ValueGenerator::find_whole_numbers() noexcept {
   using enum DataType;
-  if (behaviour.kind != Behaviour::Kind::counter || !(behaviour.step > 0)) return;
-  if (bounds.type == boolean || bounds.type == real32 || bounds.type == real64) return;
+  if (behaviour_.kind != Behaviour::Kind::counter || !(behaviour_.step > 0)) return;
+  if (bounds_.type == boolean || bounds_.type == real32 || bounds_.type == real64) return;
   constexpr double exact = 1ULL << 53;
   const auto is_whole = [](double number) {
     return std::abs(number) < exact && std::trunc(number) == number;
   };
-  const double last = behaviour.low + static_cast<double>(place.steps - 1) * behaviour.step;
-  if (!is_whole(behaviour.low) || !is_whole(behaviour.step) || !is_whole(last)) return;
-  const auto is_held = [&bounds](double number) {
-    const std::uint64_t bits = fitted(number, bounds);
-    return number == (canopen::is_signed(bounds.type) ? static_cast<double>(static_cast<std::int64_t>(bits))
-                                                      : static_cast<double>(bits));
+  const double last = behaviour_.low + static_cast<double>(phase_.steps - 1) * behaviour_.step;
+  if (!is_whole(behaviour_.low) || !is_whole(behaviour_.step) || !is_whole(last)) return;
+  const auto is_held = [this](double number) {
+    const std::uint64_t bits = fitted(number, bounds_);
+    return number == (canopen::is_signed(bounds_.type) ? static_cast<double>(static_cast<std::int64_t>(bits))
+                                                       : static_cast<double>(bits));
   };
-  if (!is_held(behaviour.low) || !is_held(last)) return;
-  place.is_whole = true;
-  place.whole_low = static_cast<std::int64_t>(behaviour.low);
-  place.whole_step = static_cast<std::int64_t>(behaviour.step);
+  if (!is_held(behaviour_.low) || !is_held(last)) return;
+  counts_whole_numbers_ = true;
+  first_ = static_cast<std::int64_t>(behaviour_.low);
+  step_ = static_cast<std::int64_t>(behaviour_.step);
 }
 
-}  // namespace
-
-Sample sample_anywhere(const Behaviour& behaviour, const Bounds& bounds, can::Time now,
-                       SampleCursor& place) noexcept {
-  const bool knew_steps = place.steps != 0;
-  const Phase phase(behaviour, now, place);
-  if (!knew_steps && place.steps != 0) look_for_whole_numbers(behaviour, bounds, place);
-  if (place.is_whole) return {place.whole_value(), can::later(now, phase.period - phase.into)};
-  const double value = value_in(behaviour, phase);
-  return {fitted(value, bounds), change_after(behaviour, bounds.type, value, now, phase)};
+Sample ValueGenerator::at_any_phase(can::Time now) noexcept {
+  phase_.into = now.time_since_epoch() - phase_.number * period_;
+  if (phase_.into >= period_ && phase_.into - period_ < period_) {
+    enter_next_period();
+    phase_.into -= period_;
+  } else if (phase_.into < can::Duration{} || phase_.into >= period_) {
+    phase_.number = now.time_since_epoch() / period_;
+    phase_.into = now.time_since_epoch() - phase_.number * period_;
+    phase_.step = static_cast<std::uint64_t>(phase_.number) % phase_.steps;
+  }
+  if (counts_whole_numbers_) return {whole_value(), can::later(now, period_ - phase_.into)};
+  const double value = value_in(behaviour_, phase_);
+  return {fitted(value, bounds_), change_after(behaviour_, bounds_.type, value, now, phase_)};
 }
 
 }  // namespace canopus::sim

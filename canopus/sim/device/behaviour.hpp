@@ -47,26 +47,6 @@ struct Behaviour {
 [[nodiscard]] can::Time next_change(const Behaviour& behaviour, canopen::DataType type, double value,
                                     can::Time now) noexcept;
 
-/// The period of a behaviour that was looked at last: the same one, or the next one, is found without a division.
-struct SampleCursor {
-  can::Duration::rep number = 0;  ///< of the period
-  std::uint64_t steps = 0;        ///< of a counter; 0: not worked out yet
-  std::uint64_t step = 0;         ///< number, modulo steps
-  /// A counter of whole numbers that all fit into the object: they are worked out as such.
-  bool is_whole = false;
-  std::int64_t whole_low = 0;
-  std::int64_t whole_step = 0;
-
-  void go_to_next_period() noexcept {
-    ++number;
-    step = step + 1 == steps ? 0 : step + 1;
-  }
-  /// Of a counter that is_whole, as the object's bit pattern.
-  [[nodiscard]] std::uint64_t whole_value() const noexcept {
-    return static_cast<std::uint64_t>(whole_low + static_cast<std::int64_t>(step) * whole_step);
-  }
-};
-
 /// What an object can hold: bit patterns of its type, 64 bits wide, of a real as REAL64.
 struct Bounds {
   canopen::DataType type = canopen::DataType::unsigned8;
@@ -83,25 +63,56 @@ struct Bounds {
   return fitted(value, bounds(type, limits));
 }
 
-/// The value as fitted() gives it, and next_change().
+/// A fitted value, and the moment of next_change().
 struct Sample {
   std::uint64_t value = 0;
   can::Time next_change{};
 };
-/// sample_at() of any behaviour, at any moment.
-[[nodiscard]] Sample sample_anywhere(const Behaviour& behaviour, const Bounds& bounds, can::Time now,
-                                     SampleCursor& place) noexcept;
-/// `place` is of this behaviour alone, at first as it is made.
-[[nodiscard]] inline Sample sample_at(const Behaviour& behaviour, const Bounds& bounds, can::Time now,
-                                      SampleCursor& place) noexcept {
-  const can::Duration period = behaviour.period;
-  can::Duration into = now.time_since_epoch() - place.number * period;
-  const bool is_next = into >= period;
-  if (is_next) into -= period;
-  if (!place.is_whole || into < can::Duration{} || into >= period)
-    return sample_anywhere(behaviour, bounds, now, place);
-  if (is_next) place.go_to_next_period();
-  return {place.whole_value(), can::later(now, period - into)};
-}
+
+/// Where in its periods a behaviour is at a moment.
+struct Phase {
+  can::Duration::rep number = 0;  ///< of the period, from 0
+  can::Duration into{};           ///< since the period began
+  std::uint64_t steps = 1;        ///< of a counter, until it begins again
+  std::uint64_t step = 0;         ///< number, modulo steps
+};
+
+/// The values of one behaviour in one object. The result depends on the behaviour, the object and the moment alone; what the
+/// generator keeps is the period of the last moment, as the same one, or the next one, is found without a division.
+class ValueGenerator {
+ public:
+  ValueGenerator(const Behaviour& behaviour, const Bounds& bounds) noexcept;
+
+  [[nodiscard]] const Behaviour& behaviour() const noexcept { return behaviour_; }
+  /// Its value, fitted into the object, and next_change().
+  [[nodiscard]] Sample at(can::Time now) noexcept {
+    can::Duration into = now.time_since_epoch() - phase_.number * period_;
+    const bool is_next = into >= period_;
+    if (is_next) into -= period_;
+    if (!counts_whole_numbers_ || into < can::Duration{} || into >= period_) return at_any_phase(now);
+    if (is_next) enter_next_period();
+    return {whole_value(), can::later(now, period_ - into)};
+  }
+
+ private:
+  [[nodiscard]] Sample at_any_phase(can::Time now) noexcept;
+  void enter_next_period() noexcept {
+    ++phase_.number;
+    phase_.step = phase_.step + 1 == phase_.steps ? 0 : phase_.step + 1;
+  }
+  void find_whole_numbers() noexcept;
+  [[nodiscard]] std::uint64_t whole_value() const noexcept {
+    return static_cast<std::uint64_t>(first_ + static_cast<std::int64_t>(phase_.step) * step_);
+  }
+
+  can::Duration period_;
+  Phase phase_{};
+  // A counter of whole numbers that the object can hold without exception.
+  bool counts_whole_numbers_ = false;
+  std::int64_t first_ = 0;
+  std::int64_t step_ = 0;
+  Behaviour behaviour_;
+  Bounds bounds_;
+};
 
 }  // namespace canopus::sim

@@ -162,13 +162,13 @@ inline canopen::ValueMask Device::sample(can::Time now) {
   canopen::ValueMask moved = 0;
   can::Time next_change = can::never;
   for (Motion& motion : motions_) {
-    if (!is_simple && motion.behaviour.kind == Behaviour::Kind::echo) continue;
+    if (!is_simple && motion.is_echo()) continue;
     const std::uint64_t before = value_of(motion);
     if (now < motion.next_change && before == motion.moved_to) {
       next_change = std::min(next_change, motion.next_change);
       continue;
     }
-    const Sample sample = sample_at(motion.behaviour, motion.bounds, now, motion.place);
+    const Sample sample = motion.generator.at(now);
     if constexpr (is_simple) {
       can::store_masked(block + motion.target.offset, sample.value, motion.mask);
     } else {
@@ -194,7 +194,7 @@ bool Device::move_values(can::Time now) {
 can::Time Device::next_change_seen(can::Time now) const noexcept {
   can::Time change = can::never;
   for (const Motion& motion : motions_) {
-    if (motion.behaviour.kind == Behaviour::Kind::echo) continue;
+    if (motion.is_echo()) continue;
     const bool is_watched = motion.target.index >= 0x2000 && !application_;
     change = std::min(change, is_watched && is_moved(motion, now) ? motion.next_change : now);
   }
@@ -226,7 +226,7 @@ bool Device::move_echoes() {
   const canopen::ObjectDictionary& dictionary = node_.dictionary();
   bool moved = false;
   for (const Motion& motion : motions_) {
-    if (motion.behaviour.kind != Behaviour::Kind::echo) continue;
+    if (!motion.is_echo()) continue;
     const auto value = dictionary.get<std::uint64_t>(motion.source);
     moved = forcing_.put(motion.target, value) || moved;
   }

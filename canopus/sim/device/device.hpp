@@ -96,8 +96,6 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   void enable_lss(can::Controller& controller, canopen::ParameterStore* store = nullptr);
   /// nullptr: it is no LSS slave.
   [[nodiscard]] const lss::LssSlave* lss() const noexcept { return lss_ ? &lss_->slave() : nullptr; }
-  /// It is no LSS slave, and nothing else but moving its values by itself is to be done: one look instead of many.
-  [[nodiscard]] bool only_samples() const noexcept { return has_fast_path_; }
 
   void power_on(can::Time now);
   void power_off();
@@ -128,17 +126,19 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
  private:
   struct alignas(64) Motion {
     // What each sample needs comes first.
-    canopen::Entry target;
+    canopen::Entry target{};
     // What the target held after it was moved last, and when that may be another value: nothing is to be done
     // before, unless somebody else wrote there.
     std::uint64_t moved_to = 0;
     can::Time next_change{};
     std::uint64_t mask = 0;  // of the target's bytes
     canopen::ValueMask places = 0;
-    SampleCursor place{};
-    Behaviour behaviour;
-    Bounds bounds;          // of the target
-    canopen::Entry source;  // echo
+    ValueGenerator generator;
+    canopen::Entry source{};  // echo
+
+    [[nodiscard]] bool is_echo() const noexcept {
+      return generator.behaviour().kind == Behaviour::Kind::echo;
+    }
   };
   // NodeListener
   void reset_requested(canopen::NmtCommand which, can::Time now) override;

@@ -32,13 +32,13 @@ std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
     }
     return std::nullopt;
   };
-  Motion motion{};
-  motion.behaviour = behaviour;
-  if (auto problem = find(behaviour.index, behaviour.sub, motion.target)) return problem;
-  const std::uint8_t length = motion.target.description->length;
-  motion.mask = ~std::uint64_t{0} >> (64 - 8 * length);
-  motion.places = canopen::value_mask_of(motion.target.offset, length);
-  motion.bounds = bounds(motion.target.description->type, description.limits(motion.target));
+  Entry target;
+  if (auto problem = find(behaviour.index, behaviour.sub, target)) return problem;
+  const std::uint8_t length = target.description->length;
+  Motion motion{.target = target,
+                .mask = ~std::uint64_t{0} >> (64 - 8 * length),
+                .places = canopen::value_mask_of(target.offset, length),
+                .generator = {behaviour, bounds(target.description->type, description.limits(target))}};
   for (const Playback& playback : playbacks_) {
     if (std::ranges::any_of(playback.entries(),
                             [&](const Entry& entry) { return same(entry, motion.target); }))
