@@ -37,7 +37,7 @@ class Run final : canopen::NodeListener, manager::MasterListener, public can::Pa
       : input_(input),
         node_(master_objects(), own_id, node_sink_),
         master_(node_, master_sink_, options(input.byte())),
-        configurations_(node_.dictionary(), master_, &store_, configuration_options(input.byte())) {
+        configurations_(node_, master_, &store_, configuration_options(input.byte())) {
     alarm().add_part(node_.alarm());
     alarm().add_part(master_.alarm());
     node_.set_listener(this);

@@ -24,7 +24,7 @@ class Run final : can::Sink, canopen::NodeListener {
   explicit Run(Input& input)
       : input_(input), node_(description(), own_id, *this, options(input.byte(), input.byte())) {
     node_.set_listener(this);
-    node_.dictionary().attach(stream_object, stream_object, stream_);
+    node_.attach(stream_object, stream_object, stream_);
     const std::uint8_t set_up = input.byte();
     if ((set_up & 1) != 0) node_.set_parameter_store(&store_);
     produces_sync_ = (set_up & 2) != 0;

@@ -142,7 +142,7 @@ class Wire final : public can::Sink {
 class Pair final : canopen::SdoClientListener {
  public:
   explicit Pair(Input& input) : input_(input), node_(description(), server_id, to_client_, options(input)) {
-    node_.dictionary().attach(stream_object, stream_object, stream_);
+    node_.attach(stream_object, stream_object, stream_);
     node_.power_on(now_);
     to_client_.frames.clear();
     client_.set_server(server_id);

@@ -177,13 +177,13 @@ TEST(ObjectDictionary, TheShortWayOfAWrite_DoesTheSameAsTheLongOne_OrNothing) {
   for (std::uint16_t object = 0x1FFF; object <= index; ++object) {
     for (std::uint8_t sub = 0; sub <= 4; ++sub) {
       for (std::uint8_t length = 0; length <= 4; ++length) {
-        ObjectDictionary brief(description, 1);
-        ObjectDictionary full(description, 1);
+        NodeDictionary brief(description, 1);
+        NodeDictionary full(description, 1);
         CountingObserver brief_observer;
         CountingObserver full_observer;
         brief.set_write_observer(&brief_observer);
         full.set_write_observer(&full_observer);
-        for (ObjectDictionary* dictionary : {&brief, &full}) {
+        for (NodeDictionary* dictionary : {&brief, &full}) {
           for (std::uint16_t i = 0x2003; i < index; i = static_cast<std::uint16_t>(i + 4))
             dictionary->attach(i, i, handler);
         }

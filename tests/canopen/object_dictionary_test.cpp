@@ -157,7 +157,7 @@ TEST(ObjectDictionary, Handler_IsAskedBeforeAndToldAfter) {
   DictionaryBuilder b;
   b.variable(0x2000, {.type = DataType::unsigned8});
   b.variable(0x2001, {.type = DataType::unsigned8});
-  ObjectDictionary od(b.build(), 1);
+  NodeDictionary od(b.build(), 1);
   Handler handler;
   od.attach(0x2000, 0x2000, handler);
   od.set_write_observer(&handler);
@@ -208,7 +208,7 @@ TEST(ObjectDictionary, ReadShort_GivesPresentValuesOfUpToFourBytes_AsOftenAsAske
 TEST(ObjectDictionary, ReadShort_LeavesObjectsWithAHandlerToIt_AlsoOneThatCameLater) {
   DictionaryBuilder b;
   b.variable(0x2001, {.value = {1, 2, 3, 4}});
-  ObjectDictionary od(b.build(), 1);
+  NodeDictionary od(b.build(), 1);
   EXPECT_EQ(od.read_short(multiplexer(0x2001, 0)).length, 4);
   struct Silent final : ObjectHandler {
   } handler;

@@ -174,7 +174,7 @@ TEST_F(SdoBlockServer, FullTransmitQueue_GoesOnLater) {
 TEST_F(SdoBlockServer, StreamThatRefuses_AbortsTheTransfer) {
   Megabytes stream(10, true);
   stream.refusal = AbortCode::hardware_error;
-  node.dictionary().attach(0x200A, 0x200A, stream);
+  node.attach(0x200A, 0x200A, stream);
   hear("605 21 0A 20 00 0A 00 00 00");
   hear("605 00 00 07 0E 15 1C 23 2A");
   EXPECT_EQ(hear("605 19 31 38 3F 00 00 00 00"), "585 80 0A 20 00 00 00 06 06");
@@ -183,7 +183,7 @@ TEST_F(SdoBlockServer, StreamThatRefuses_AbortsTheTransfer) {
 
 TEST_F(SdoBlockServer, AbortedStream_IsClosedIncomplete) {
   Megabytes stream(10, true);
-  node.dictionary().attach(0x200A, 0x200A, stream);
+  node.attach(0x200A, 0x200A, stream);
   hear("605 21 0A 20 00 0A 00 00 00");
   hear("605 80 0A 20 00 00 00 00 08");
   EXPECT_EQ(stream.closed, "incomplete ");
@@ -191,7 +191,7 @@ TEST_F(SdoBlockServer, AbortedStream_IsClosedIncomplete) {
 
 TEST_F(SdoBlockServer, StreamOfUnknownSize_IsUploadedWithoutSize) {
   Megabytes stream(10, false);
-  node.dictionary().attach(0x200A, 0x200A, stream);
+  node.attach(0x200A, 0x200A, stream);
   EXPECT_EQ(hear("605 40 0A 20 00 00 00 00 00"), "585 40 0A 20 00 00 00 00 00");
   EXPECT_EQ(hear("605 60 00 00 00 00 00 00 00"), "585 00 00 07 0E 15 1C 23 2A");
   EXPECT_EQ(hear("605 70 00 00 00 00 00 00 00"), "585 19 31 38 3F 00 00 00 00");
@@ -200,7 +200,7 @@ TEST_F(SdoBlockServer, StreamOfUnknownSize_IsUploadedWithoutSize) {
 
 TEST_F(SdoBlockServer, SmallStream_GoesExpedited) {
   Megabytes stream(3, true);
-  node.dictionary().attach(0x200A, 0x200A, stream);
+  node.attach(0x200A, 0x200A, stream);
   EXPECT_EQ(hear("605 40 0A 20 00 00 00 00 00"), "585 47 0A 20 00 00 07 0E 00");
   EXPECT_EQ(hear("605 27 0A 20 00 00 07 0E 00"), "585 60 0A 20 00 00 00 00 00");
   EXPECT_TRUE(stream.is_right);

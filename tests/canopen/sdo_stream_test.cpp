@@ -152,7 +152,7 @@ TEST_P(SdoStream, Megabytes_PassThroughAKilobyte) {
   const std::size_t size = GetParam() == SdoClient::Mode::block ? 10'000'000 : 1'000'000;
   LossyLine line(1, 0);
   Megabytes there(size, false);
-  line.node.dictionary().attach(0x200A, 0x200A, there);
+  line.node.attach(0x200A, 0x200A, there);
   Megabytes here(size, true);
   line.client.download(0x200A, 0, here, size, line, line.now, 500ms, GetParam());
   for (int part = 0; part < 4; ++part) line.run();

@@ -21,7 +21,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 class Manager : public MasterBench, public ConfigurationStore {
  public:
-  Manager() : configurations(node.dictionary(), master, this) {
+  Manager() : configurations(node, master, this) {
     object(0x1F80, 0, 0x01);
     configurations.options() = {.maximum_files = 60,
                                 .maximum_size = 65531,

@@ -80,7 +80,7 @@ TEST_F(ProgramDownload, OptionalSlave_LeavesTheNetworkRunning) {
 
 class ProgramManager : public ProgramDownload, public ConfigurationStore {
  public:
-  ProgramManager() : configurations(node.dictionary(), master, this) {}
+  ProgramManager() : configurations(node, master, this) {}
   bool store(std::uint8_t, std::span<const std::uint8_t>) override { return true; }
   bool store_program(std::uint8_t id, std::span<const std::uint8_t> program) override {
     kept[id].assign(program.begin(), program.end());

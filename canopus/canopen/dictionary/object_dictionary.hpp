@@ -56,6 +56,7 @@ class WriteObserver {
   ~WriteObserver() = default;
 };
 
+/// Who is called for its objects is the business of a NodeDictionary.
 class ObjectDictionary {
  public:
   /// All values at their defaults for this node-ID (1..127, or 255 while unconfigured).
@@ -106,7 +107,7 @@ class ObjectDictionary {
   /// An entry, perhaps of no type, of an object without a handler; or none.
   [[nodiscard]] Place find_plain(std::uint32_t multiplexer) const noexcept {
     const std::size_t position = description_->find_position(static_cast<std::uint16_t>(multiplexer >> 8));
-    if (position == DictionaryDescription::no_position || handler_numbers_[position] != 0) return {};
+    if (position == DictionaryDescription::no_position || attachment_numbers_[position] != 0) return {};
     const ObjectDescription& object = description_->object(position);
     const auto sub = static_cast<std::uint8_t>(multiplexer >> 24);
     if (sub > object.highest_sub) return {};
@@ -202,26 +203,26 @@ class ObjectDictionary {
     return {block_.data(), block_.size() - spare};
   }
 
-  /// Calls `handler` for the objects first..last (those that exist) from now on; it replaces an earlier one.
-  void attach(std::uint16_t first, std::uint16_t last, ObjectHandler& handler);
-
-  /// An object and who is attached to it.
-  struct Attachment {
-    std::uint16_t index = 0;
-    ObjectHandler* handler = nullptr;
-  };
-  [[nodiscard]] std::vector<Attachment> attachments() const;
-
-  void set_write_observer(WriteObserver* observer) noexcept { write_observer_ = observer; }
-
   /// Everything at its default for this node-ID: reset node.
   void reset(std::uint8_t node_id);
   /// 0000H-1FFFH at their defaults for this node-ID: reset communication.
   void reset_communication(std::uint8_t node_id);
 
+ protected:
+  // NodeDictionary offers these.
+  void attach(std::uint16_t first, std::uint16_t last, ObjectHandler& handler);
+  void detach(const ObjectHandler& handler) noexcept;
+  void set_write_observer(WriteObserver* observer) noexcept { write_observer_ = observer; }
+
  private:
+  /// A handler, over the one that its objects had before.
+  struct Attachment {
+    ObjectHandler* handler = nullptr;
+    std::uint8_t replaced = 0;  // its number
+  };
+  [[nodiscard]] std::uint8_t attachment(ObjectHandler& handler, std::uint8_t replaced);
   [[nodiscard]] ObjectHandler* handler(const ObjectDescription& object) const noexcept {
-    return handlers_[handler_numbers_[description_->position(object)]];
+    return attachments_[attachment_numbers_[description_->position(object)]].handler;
   }
 
   [[nodiscard]] ShortValue load_short(std::uint32_t offset, std::uint8_t length) const noexcept {
@@ -242,9 +243,23 @@ class ObjectDictionary {
     std::uint8_t length = 0;
   } last_short_;
   std::vector<std::unique_ptr<std::vector<std::uint8_t>>> slots_;  // empty pointer: still the default
-  std::vector<std::uint8_t> handler_numbers_;                      // by position of the object, 0 = none
-  std::vector<ObjectHandler*> handlers_;
+  std::vector<std::uint8_t> attachment_numbers_;                   // by position of the object
+  std::vector<Attachment> attachments_;                            // number 0: no handler
   WriteObserver* write_observer_ = nullptr;
+};
+
+/// The dictionary that a node makes for its services. Others register their handlers with the node (Node::attach()), for it makes
+/// another one when it gets another description.
+class NodeDictionary final : public ObjectDictionary {
+ public:
+  using ObjectDictionary::ObjectDictionary;
+
+  /// Calls `handler` for the objects first..last (those that exist) from now on, in place of an earlier one. More than 255 handlers
+  /// throw std::length_error.
+  using ObjectDictionary::attach;
+  /// Its objects have the handler again that it took the place of.
+  using ObjectDictionary::detach;
+  using ObjectDictionary::set_write_observer;
 };
 
 }  // namespace canopus::canopen

@@ -1,6 +1,7 @@
 #include "canopus/canopen/node/node.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -11,6 +12,26 @@
 #include "canopus/canopen/service/node_listener.hpp"
 
 namespace canopus::canopen {
+
+void Node::Services::attach(std::uint16_t first, std::uint16_t last, ObjectHandler& handler) {
+  const Registration registration{first, last, &handler};
+  registrations.reserve(registrations.size() + 1);
+  dictionary.attach(first, last, handler);
+  std::erase(registrations, registration);
+  registrations.push_back(registration);
+}
+
+void Node::Services::detach(const ObjectHandler& handler) noexcept {
+  std::erase_if(registrations, [&](const Registration& known) { return known.handler == &handler; });
+  dictionary.detach(handler);
+}
+
+void Node::Services::take_over(const Services& other) {
+  for (const auto& [first, last, handler] : other.registrations) attach(first, last, *handler);
+  listener = other.listener;
+  stored_parameters.set_store(other.stored_parameters.store());
+  identifiers_revision = other.identifiers_revision + 1;
+}
 
 void Node::Services::stop() {
   state = NmtState::initialising;
@@ -204,37 +225,32 @@ void Node::power_off() {
 }
 
 void Node::describe(std::shared_ptr<const DictionaryDescription> description, const NodeOptions& options) {
-  make_anew(std::move(description), services_->sink, options);
+  rebuild(std::move(description), services_->sink, options);
 }
 
 void Node::set_sink(can::Sink& sink) {
-  const NodeOptions options = services_->options;
-  make_anew(services_->dictionary.shared_description(), sink, options);
+  rebuild(services_->dictionary.shared_description(), sink, services_->options);
 }
 
-// The services read the dictionary when they are made. They are made anew in their place: whoever has the dictionary's
-// address, or is attached to it, need not know.
-void Node::make_anew(std::shared_ptr<const DictionaryDescription> description, can::Sink& sink,
-                     const NodeOptions& options) {
-  Services& services = *services_;
-  const auto is_service = [&services](const ObjectHandler* handler) {
-    const auto place = reinterpret_cast<std::uintptr_t>(handler);
-    const auto first = reinterpret_cast<std::uintptr_t>(&services);
-    return place >= first && place < first + sizeof(Services);
-  };
-  auto attached = services.dictionary.attachments();
-  std::erase_if(attached, [&](const auto& attachment) { return is_service(attachment.handler); });
-  NodeListener* const listener = services.listener;
-  ParameterStore* const store = services.stored_parameters.store();
-  const std::uint8_t node_id = services.next_node_id;
-  const std::uint32_t revision = services.identifiers_revision;
-  std::destroy_at(&services);
-  std::construct_at(&services, std::move(description), node_id, sink, filter_, alarm(), options);
-  services.listener = listener;
-  services.stored_parameters.set_store(store);
-  services.identifiers_revision = revision + 1;
-  for (const auto& [index, handler] : attached) services.dictionary.attach(index, index, *handler);
+// The services read the dictionary when they are made: with another one come other services.
+void Node::rebuild(std::shared_ptr<const DictionaryDescription> description, can::Sink& sink,
+                   const NodeOptions& options) {
+  assert(!services_->powered);
+  auto services = std::make_unique<Services>(std::move(description), services_->next_node_id, sink, filter_,
+                                             alarm(), options);
+  services->take_over(*services_);
+  // Nothing throws from here on.
+  filter_.pass_all();
+  alarm().cancel();
+  services_ = std::move(services);
+  context_ = services_.get();
 }
+
+void Node::attach(std::uint16_t first, std::uint16_t last, ObjectHandler& handler) {
+  services_->attach(first, last, handler);
+}
+
+void Node::detach(const ObjectHandler& handler) noexcept { services_->detach(handler); }
 
 void Node::set_node_id(std::uint8_t node_id) noexcept { services_->next_node_id = node_id; }
 

@@ -43,16 +43,25 @@ class Node final : public can::Participant {
   void power_on(can::Time now);
   /// Silent until power_on().
   void power_off();
-  /// Another object dictionary and behaviour, in the place of those there are, while the node is off. Who is attached to objects that
-  /// both have stays so; for others attach again. An active master, or a paused heartbeat, is one no more.
+  /// Makes dictionary and services anew, by another description and other options, while the node is off. Node-ID, listener,
+  /// parameter store and the handlers of attach() stay; values, an active master and a paused heartbeat do not. What throws
+  /// (std::bad_alloc) leaves the node as it was. References into dictionary() end here.
   void describe(std::shared_ptr<const DictionaryDescription> description, const NodeOptions& options);
-  /// Another place for its frames, which must outlive it, while the node is off. As describe() with what there is.
+  /// Another place for its frames, which must outlive it. As describe() with the description and options that there are.
   void set_sink(can::Sink& sink);
+
+  /// Calls `handler` for the objects first..last of this dictionary and of any later one (describe()), in place of the handler that they
+  /// have, the node's own or one of an earlier call. It must outlive the node, or be taken out.
+  void attach(std::uint16_t first, std::uint16_t last, ObjectHandler& handler);
+  /// `handler` is called no more; what it took the place of is again. Not from inside a call of it.
+  void detach(const ObjectHandler& handler) noexcept;
+
   /// Takes effect at the next power_on() or reset.
   void set_node_id(std::uint8_t node_id) noexcept;
 
   [[nodiscard]] std::uint8_t node_id() const noexcept { return context_->node_id; }
   [[nodiscard]] NmtState state() const noexcept { return context_->state; }
+  /// Until the next describe() or set_sink().
   [[nodiscard]] ObjectDictionary& dictionary() noexcept { return context_->dictionary; }
   [[nodiscard]] const ObjectDictionary& dictionary() const noexcept { return context_->dictionary; }
 
@@ -132,8 +141,8 @@ class Node final : public can::Participant {
   struct Services;
   void receive_passed(const can::Frame& frame, can::Time now);
   void settle() const;
-  void make_anew(std::shared_ptr<const DictionaryDescription> description, can::Sink& sink,
-                 const NodeOptions& options);
+  void rebuild(std::shared_ptr<const DictionaryDescription> description, can::Sink& sink,
+               const NodeOptions& options);
   IdentifierFilter filter_;  // here, for every frame on the bus looks at it and at little else
   NodeContext* context_;     // the part of the services that its owner asks about all the time
   std::unique_ptr<Services> services_;

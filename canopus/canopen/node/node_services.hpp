@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "canopus/canopen/messages/emcy_consumer.hpp"
 #include "canopus/canopen/messages/emcy_producer.hpp"
@@ -29,6 +30,12 @@ struct Node::Services final : NodeContext, WriteObserver {
       : NodeContext(std::move(description), id, frames, node_filter, alarm, node_options), next_node_id(id) {
     dictionary.set_write_observer(this);
   }
+
+  /// Node::attach().
+  void attach(std::uint16_t first, std::uint16_t last, ObjectHandler& handler);
+  void detach(const ObjectHandler& handler) noexcept;
+  /// What the application has registered with `other` is registered here, too.
+  void take_over(const Services& other);
 
   void error_began(const CommunicationError& error, can::Time now) override {
     emcy_producer.error_began(error, now);
@@ -89,6 +96,14 @@ struct Node::Services final : NodeContext, WriteObserver {
   StoredParameters stored_parameters{*this};
   TimerQueue::Number reset_timer = timers.add();
   NmtCommand pending_reset = NmtCommand::reset_communication;  // while reset_timer runs
+  /// A handler of the application, and the objects it is called for.
+  struct Registration {
+    std::uint16_t first = 0;
+    std::uint16_t last = 0;
+    ObjectHandler* handler = nullptr;
+    friend bool operator==(const Registration&, const Registration&) = default;
+  };
+  std::vector<Registration> registrations;  // in order: a later one takes the place of those before it
   std::uint8_t next_node_id = 0;
   bool powered = false;
   bool hears_extended = false;

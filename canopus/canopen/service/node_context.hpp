@@ -34,9 +34,7 @@ class alignas(64) NodeContext {
         sink(frames),
         dictionary(std::move(description), id),
         filter(node_filter),
-        options(node_options) {
-    filter.pass_all();
-  }
+        options(node_options) {}
 
   /// A communication error began: 1001H, 1003H and an EMCY message; sent later if 1015H forbids it now.
   virtual void error_began(const CommunicationError& error, can::Time now) = 0;
@@ -72,7 +70,7 @@ class alignas(64) NodeContext {
   std::uint32_t identifiers_revision = 0;  // counts the tables that were built
   can::Sink& sink;
   NodeListener* listener = nullptr;
-  ObjectDictionary dictionary;
+  NodeDictionary dictionary;
   IdentifierTable table;
   IdentifierFilter& filter;  // the node's own, for every frame looks at it
   NodeOptions options;

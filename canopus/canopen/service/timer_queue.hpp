@@ -15,8 +15,8 @@ class TimerQueue {
  public:
   using Number = std::uint16_t;
 
-  /// `alarm` stands at the earliest deadline from now on; it must outlive the queue.
-  explicit TimerQueue(can::Alarm& alarm) noexcept : alarm_(&alarm) { alarm.cancel(); }
+  /// `alarm`, which is not set, stands at the earliest deadline from the first set() on; it must outlive the queue.
+  explicit TimerQueue(can::Alarm& alarm) noexcept : alarm_(&alarm) {}
 
   /// Makes `count` timers with consecutive numbers; returns the first number.
   Number add(std::size_t count = 1);

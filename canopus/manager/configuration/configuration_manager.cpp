@@ -26,12 +26,12 @@ bool is_deletion(std::span<const std::uint8_t> file) noexcept {
 
 }  // namespace
 
-ConfigurationManager::ConfigurationManager(canopen::ObjectDictionary& dictionary, NmtMaster& master,
+ConfigurationManager::ConfigurationManager(canopen::Node& node, NmtMaster& master,
                                            ConfigurationStore* store, ConfigurationOptions options)
     : master_(&master), store_(store), options_(options) {
-  dictionary.attach(concise_dcf_index, concise_dcf_index, *this);
-  dictionary.attach(request_index, request_index, *this);
-  dictionary.attach(program_index, program_index, *this);
+  node.attach(concise_dcf_index, concise_dcf_index, *this);
+  node.attach(request_index, request_index, *this);
+  node.attach(program_index, program_index, *this);
   master.set_configuration_source(this);
 }
 

@@ -58,7 +58,7 @@ class ConfigurationManager final : public ConfigurationSource, public canopen::O
  public:
   /// Attaches itself to 1F22H, 1F25H and 1F58H (as far as they exist) and becomes the master's configuration
   /// source. All must outlive it.
-  ConfigurationManager(canopen::ObjectDictionary& dictionary, NmtMaster& master, ConfigurationStore* store,
+  ConfigurationManager(canopen::Node& node, NmtMaster& master, ConfigurationStore* store,
                        ConfigurationOptions options = {});
 
   [[nodiscard]] ConfigurationOptions& options() noexcept { return options_; }

@@ -45,8 +45,8 @@ constexpr NmtCommand command_of(std::uint8_t value) noexcept {
 
 NmtRequests::NmtRequests(MasterContext& master, StartUp& start_up, ErrorControl& error_control)
     : master_(master), start_up_(start_up), error_control_(error_control) {
-  master.node.dictionary().attach(0x1F80, 0x1F83, *this);
-  master.node.dictionary().attach(0x1F90, 0x1F90, *this);
+  master.node.attach(0x1F80, 0x1F83, *this);
+  master.node.attach(0x1F90, 0x1F90, *this);
 }
 
 AbortCode NmtRequests::request_nmt(std::uint8_t node_id, std::uint8_t value, can::Time now) {

@@ -24,7 +24,7 @@ class DataExchange final : public canopen::ObjectHandler {
       : layout_(layout), memory_(&memory), received_(layout.words * 2), to_send_(layout.words * 2) {}
 
   /// Hears SDO writes to the output variables from now on.
-  void attach(canopen::ObjectDictionary& dictionary) { dictionary.attach(0xA480, 0xA6FF, *this); }
+  void attach(canopen::Node& node) { node.attach(0xA480, 0xA6FF, *this); }
 
   /// An RPDO put values into its mapped objects: they become the latest received data.
   void rpdo_received(canopen::Node& node, std::uint16_t number);

@@ -21,7 +21,7 @@ ModuleEngine::ModuleEngine(const ModuleModel& model, can::Controller& controller
   controller.set_power(false);
   controller.set_automatic_recovery(false);  // the way out of bus-off is a restart [ME3CAN1-Q 3.5.7]
   parts_.node.set_parameter_store(&parts_.settings.object_store());
-  parts_.process_data.attach(parts_.node.dictionary());
+  parts_.process_data.attach(parts_.node);
   for (can::Alarm* part : {&initialized_at_, &parts_.port->alarm(), &parts_.watchdog.alarm(),
                            &layer2_bus_.alarm(), &parts_.own_emergencies.alarm(), &parts_.exchange.alarm(),
                            &parts_.settings.alarm(), &parts_.time_stamp.alarm(), &parts_.node.alarm(),
@@ -34,10 +34,8 @@ ModuleEngine::ModuleEngine(const ModuleModel& model, can::Controller& controller
 void ModuleEngine::describe_node() {
   if (!parts_.state.canopen_mode()) return;
   const auto description = parts_.model.dictionary_of(*parts_.state.mode);
-  if (description.get() != &parts_.node.dictionary().description()) {
+  if (description.get() != &parts_.node.dictionary().description())
     parts_.node.describe(description, parts_.node_options(*parts_.state.mode));
-    parts_.process_data.attach(parts_.node.dictionary());
-  }
 }
 
 bool ModuleEngine::preset_word(BufferAddress address, std::uint16_t value) {

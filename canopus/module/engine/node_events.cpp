@@ -6,7 +6,7 @@ namespace canopus::module {
 
 NodeEvents::NodeEvents(ModuleContext& parts, CpuStateHandler& cpu) : parts_(parts), cpu_(cpu) {
   parts_.node.set_listener(this);
-  parts_.node.dictionary().attach(0x0002, 0x0008, *this);
+  parts_.node.attach(0x0002, 0x0008, *this);
 }
 
 void NodeEvents::reset_requested(canopen::NmtCommand, can::Time now) {

@@ -50,13 +50,13 @@ void LiftData::start() {
   oldest_ = waiting_ = 0;
   active_ = layout_ && (layout_->modes & memory_->mode()) != 0;
   if (!active_) return;
-  canopen::ObjectDictionary& dictionary = node_->dictionary();
+  const canopen::DictionaryDescription& objects = node_->dictionary().description();
   receive_ = copies(layout_->receive);
   transmit_ = copies(layout_->transmit);
-  output_ = dictionary.description().find(virtual_output, 0);
-  input_ = dictionary.description().find(virtual_input, 0);
-  dictionary.attach(virtual_input, virtual_input, *this);
-  dictionary.attach(filler, filler, *this);
+  output_ = objects.find(virtual_output, 0);
+  input_ = objects.find(virtual_input, 0);
+  node_->attach(virtual_input, virtual_input, *this);
+  node_->attach(filler, filler, *this);
   snapshot();
 }
 

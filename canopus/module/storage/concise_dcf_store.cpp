@@ -15,7 +15,7 @@ constexpr std::uint8_t nodes = 127;
 
 ConciseDcfStore::ConciseDcfStore(canopen::Node& node, manager::NmtMaster& master, NonVolatileMemory& memory,
                                  std::string_view name, const manager::ConfigurationOptions& options)
-    : memory_(&memory), name_(name), configurations_(node.dictionary(), master, this, options) {}
+    : memory_(&memory), name_(name), configurations_(node, master, this, options) {}
 
 bool ConciseDcfStore::load() {
   forget_all();

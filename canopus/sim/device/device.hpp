@@ -201,7 +201,7 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   bool is_on_ = false;
   std::vector<Motion> motions_;
   std::unique_ptr<DeviceLss> lss_;
-  Forcing forcing_{node_.dictionary()};
+  Forcing forcing_{node_};
   Script script_;
 };
 

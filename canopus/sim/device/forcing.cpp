@@ -22,16 +22,16 @@ bool Forcing::is_forced(const Entry& entry) const noexcept {
 }
 
 bool Forcing::force(const Entry& entry, std::uint64_t value, can::Time until) {
-  const auto before = dictionary_.get<std::uint64_t>(entry);
+  const auto before = dictionary().get<std::uint64_t>(entry);
   auto known = find(entry);
   if (known == forces_.end()) {
-    dictionary_.attach(entry.index, entry.index, *this);
+    node_.attach(entry.index, entry.index, *this);
     const auto place = std::ranges::lower_bound(forces_, key(entry), {},
                                                 [](const Force& force) { return key(force.entry); });
     known = forces_.insert(place, {.entry = entry, .beneath = before});
   }
-  dictionary_.set(entry, value);
-  known->value = dictionary_.get<std::uint64_t>(entry);
+  dictionary().set(entry, value);
+  known->value = dictionary().get<std::uint64_t>(entry);
   known->until = until;
   find_deadline();
   return known->value != before;
@@ -41,8 +41,9 @@ bool Forcing::release(const Entry& entry) {
   const auto known = find(entry);
   if (known == forces_.end()) return false;
   const bool changes = known->value != known->beneath;
-  dictionary_.set(entry, known->beneath);
+  dictionary().set(entry, known->beneath);
   forces_.erase(known);
+  if (forces_.empty()) node_.detach(*this);
   find_deadline();
   return changes;
 }
@@ -50,28 +51,28 @@ bool Forcing::release(const Entry& entry) {
 bool Forcing::put(const Entry& entry, std::uint64_t value) {
   if (!forces_.empty()) {
     if (const auto known = find(entry); known != forces_.end()) {
-      dictionary_.set(entry, value);
+      dictionary().set(entry, value);
       take(*known);
       return false;
     }
   }
-  const auto before = dictionary_.get<std::uint64_t>(entry);
-  dictionary_.set(entry, value);
-  return dictionary_.get<std::uint64_t>(entry) != before;
+  const auto before = dictionary().get<std::uint64_t>(entry);
+  dictionary().set(entry, value);
+  return dictionary().get<std::uint64_t>(entry) != before;
 }
 
 /// What is in the dictionary now goes beneath.
 void Forcing::take(Force& force) {
-  force.beneath = dictionary_.get<std::uint64_t>(force.entry);
-  dictionary_.set(force.entry, force.value);
+  force.beneath = dictionary().get<std::uint64_t>(force.entry);
+  dictionary().set(force.entry, force.value);
 }
 
 void Forcing::rpdo_received(std::uint16_t number) {
   if (forces_.empty()) return;
   const auto mapping = static_cast<std::uint16_t>(0x1600 + number);
-  const auto count = dictionary_.get<std::uint8_t>(mapping, 0);
+  const auto count = dictionary().get<std::uint8_t>(mapping, 0);
   for (std::uint8_t i = 1; i <= count && i <= 64; ++i) {
-    const auto mapped = dictionary_.get<std::uint32_t>(mapping, i);
+    const auto mapped = dictionary().get<std::uint32_t>(mapping, i);
     for (Force& force : forces_) {
       if ((mapped >> 8) == (std::uint32_t{force.entry.index} << 8 | force.entry.sub)) take(force);
     }

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "canopus/canopen/dictionary/object_dictionary.hpp"
+#include "canopus/canopen/node/node.hpp"
 
 namespace canopus::sim {
 
@@ -19,8 +19,8 @@ class Forcing final : public canopen::ObjectHandler {
     can::Time until = can::never;
   };
 
-  /// The dictionary must outlive it.
-  explicit Forcing(canopen::ObjectDictionary& dictionary) : dictionary_(dictionary) {}
+  /// Of the values of this node, which must outlive it.
+  explicit Forcing(canopen::Node& node) : node_(node) {}
 
   /// An entry of fixed length. Again for one that is forced: the new value and end count. True when the value
   /// that everybody sees has changed.
@@ -49,7 +49,9 @@ class Forcing final : public canopen::ObjectHandler {
   void take(Force& force);
   void find_deadline() noexcept;
 
-  canopen::ObjectDictionary& dictionary_;
+  [[nodiscard]] canopen::ObjectDictionary& dictionary() noexcept { return node_.dictionary(); }
+
+  canopen::Node& node_;
   std::vector<Force> forces_;
   can::Time deadline_ = can::never;
 };

@@ -35,7 +35,7 @@ SlaveRole::SlaveRole(std::shared_ptr<const canopen::DictionaryDescription> objec
                      can::Sink& sink, const Profile& profile)
     : outlet_(sink, node_id), node_(std::move(objects), node_id, outlet_, node_options(profile)) {
   node_.set_listener(this);
-  node_.dictionary().attach(0x1001, 0x1001, *this);
+  node_.attach(0x1001, 0x1001, *this);
   alarm().add_part(node_.alarm());
   alarm().add_part(next_scan_);
 }
