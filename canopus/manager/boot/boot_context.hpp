@@ -29,7 +29,7 @@ struct BootContext {
     record.step = step;
     record.since = now;
     transfer.forget();
-    deadline = limit > can::Duration{} ? later(now, limit) : can::never;
+    step_end = limit > can::Duration{} ? later(now, limit) : can::never;
     if (!facts(step).asks_object) host.boot_went_on(node_id, record, now);
   }
   /// Reads this object, as this step.
@@ -51,8 +51,8 @@ struct BootContext {
   BootHost& host;
   BootRecord record;
   BootTransfer transfer;
-  can::Time deadline = can::never;  // of the present step
-  bool answered = false;            // an SDO, since the slave was reset
+  can::Alarm step_end;    // of the present step
+  bool answered = false;  // an SDO, since the slave was reset
 };
 
 }  // namespace canopus::manager

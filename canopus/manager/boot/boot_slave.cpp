@@ -42,7 +42,7 @@ void BootSlave::start(bool after_reset, can::Time now) {
 
 void BootSlave::suspend() {
   boot_.transfer.stop();
-  boot_.deadline = can::never;
+  boot_.step_end.cancel();
 }
 
 void BootSlave::abandon() {
@@ -218,8 +218,8 @@ void BootSlave::give_up(can::Time now) {
 
 void BootSlave::tick(can::Time now) {
   boot_.transfer.tick(now);
-  if (boot_.deadline > now) return;
-  boot_.deadline = can::never;
+  if (boot_.step_end > now) return;
+  boot_.step_end.cancel();
   switch (boot_.record.step) {
     case BootStep::wait_after_reset: return begin(now);
     case BootStep::presence_pause: return ask_presence(now);

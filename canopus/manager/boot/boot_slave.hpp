@@ -10,7 +10,6 @@
 // is asked again without end; whether that is too long is decided by the host (boot time). The start command
 // itself is the host's as well: it depends on what the other slaves do.
 
-#include <algorithm>
 #include <cstdint>
 
 #include "canopus/manager/boot/boot_context.hpp"
@@ -21,7 +20,10 @@ namespace canopus::manager {
 
 class BootSlave final : private BootTransferListener {
  public:
-  BootSlave(std::uint8_t node_id, BootHost& host, can::Sink& sink) : boot_(node_id, host, sink, *this) {}
+  BootSlave(std::uint8_t node_id, BootHost& host, can::Sink& sink) : boot_(node_id, host, sink, *this) {
+    alarm_.add_part(boot_.step_end);
+    alarm_.add_part(boot_.transfer.alarm());
+  }
 
   /// Begins from the first step; a running boot is given up. `after_reset`: the slave was just commanded to
   /// reset.
@@ -57,9 +59,7 @@ class BootSlave final : private BootTransferListener {
   /// Its request got out on the bus.
   void transmitted(can::Time now) { boot_.transfer.transmitted(now); }
   void tick(can::Time now);
-  [[nodiscard]] can::Time deadline() const noexcept {
-    return std::min(boot_.deadline, boot_.transfer.deadline());
-  }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
 
  private:
   void transfer_ended(can::Time now) override;
@@ -85,6 +85,7 @@ class BootSlave final : private BootTransferListener {
   bool only_configure_ = false;
   bool rebooted_ = false;  // boot-up message while 1000H was asked
   bool found_operational_ = false;
+  can::Alarm alarm_;
 };
 
 }  // namespace canopus::manager

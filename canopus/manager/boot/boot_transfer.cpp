@@ -8,6 +8,8 @@ BootTransfer::BootTransfer(std::uint8_t node_id, BootHost& host, can::Sink& sink
                            BootTransferListener& user)
     : node_id_(node_id), host_(&host), record_(&record), user_(&user), client_(sink) {
   client_.set_server(node_id);
+  alarm_.add_part(retry_);
+  alarm_.add_part(client_.alarm());
 }
 
 void BootTransfer::read(std::uint16_t index, std::uint8_t sub, can::Time now) {
@@ -57,7 +59,7 @@ void BootTransfer::read_later(can::Duration pause, can::Time now) {
 
 void BootTransfer::forget() noexcept {
   waits_for_channel_ = false;
-  retry_ = can::never;
+  retry_.cancel();
 }
 
 void BootTransfer::stop() {
@@ -113,12 +115,12 @@ bool BootTransfer::blocks_refused(bool rebooted) const noexcept {
 std::uint32_t BootTransfer::value() const noexcept { return can::load_u32(client_.data()); }
 
 void BootTransfer::tick(can::Time now) {
-  if (client_.deadline() <= now) {
+  if (client_.alarm() <= now) {
     if (host_->request_waits(node_id_, now)) client_.count_from(now);
     client_.tick(now);
   }
   if (retry_ > now) return;
-  retry_ = can::never;
+  retry_.cancel();
   repeat(now);
 }
 

@@ -5,7 +5,6 @@
 //
 // Which object it is, how much of a program is on its way and how it ended stands in the boot's record.
 
-#include <algorithm>
 #include <cstdint>
 #include <expected>
 #include <span>
@@ -62,7 +61,7 @@ class BootTransfer final : private canopen::SdoClientListener, private canopen::
   /// The request got out on the bus.
   void transmitted(can::Time now) { client_.count_from(now); }
   void tick(can::Time now);
-  [[nodiscard]] can::Time deadline() const noexcept { return std::min(retry_, client_.deadline()); }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
 
  private:
   enum class Kind : std::uint8_t { read, write, program };
@@ -85,7 +84,8 @@ class BootTransfer final : private canopen::SdoClientListener, private canopen::
   bool in_blocks_ = false;          // the present transfer
   bool no_blocks_ = false;          // the slave does not know them
   bool waits_for_channel_ = false;  // else a repetition waits for its pause
-  can::Time retry_ = can::never;
+  can::Alarm retry_;
+  can::Alarm alarm_;  // with the client's
 };
 
 }  // namespace canopus::manager

@@ -30,7 +30,7 @@ void ErrorControl::heartbeat_received(std::uint8_t node_id, NmtState state, can:
   }
   const bool begins = !slave.heartbeat_alive;
   slave.heartbeat_alive = true;
-  heartbeat_is_not_lost(slave);
+  slave.heartbeat_lost = false;
   master_.set_error_bits(node_id, error_control::heartbeat_active, 0, now);
   master_.set_state(node_id, shown_state(static_cast<std::uint8_t>(state)), now);
   resolve(node_id, now);
@@ -47,26 +47,21 @@ void ErrorControl::heartbeat_lost(std::uint8_t node_id, can::Time now) {
   slave.heartbeat_alive = false;
   master_.set_error_bits(node_id, error_control::heartbeat_missing,
                          master_.options.time_out_ends_activity ? error_control::heartbeat_active : 0, now);
-  if (!slave.heartbeat_lost) ++lost_heartbeats_;
   slave.heartbeat_lost = true;
-  master_.wake(now);
-}
-
-void ErrorControl::heartbeat_is_not_lost(Slave& slave) noexcept {
-  if (slave.heartbeat_lost) --lost_heartbeats_;
-  slave.heartbeat_lost = false;
+  alarm_ = now;
 }
 
 void ErrorControl::forget_lost_heartbeats() noexcept {
   for (Slave& slave : master_.slaves) slave.heartbeat_lost = false;
-  lost_heartbeats_ = 0;
+  alarm_.cancel();
 }
 
 void ErrorControl::tick(can::Time now) {
-  if (lost_heartbeats_ == 0) return;
+  if (alarm_ > now) return;
+  alarm_.cancel();
   for (std::uint8_t n = 1; n < 128; ++n) {
     if (!master_.slaves[n].heartbeat_lost) continue;
-    heartbeat_is_not_lost(master_.slaves[n]);
+    master_.slaves[n].heartbeat_lost = false;
     event(n, ErrorControlEvent::heartbeat_lost, now);
   }
 }
@@ -173,7 +168,6 @@ void ErrorControl::show_commanded(NmtCommand command, std::uint8_t node_id, can:
   slave.wrong_state = false;
   slave.commanded = state != node_state::unknown;
   if (state == node_state::unknown || !slave.is_heard()) master_.set_state(node_id, state, now);
-  master_.refresh(node_id);
 }
 
 // --- guarding
@@ -195,13 +189,11 @@ void ErrorControl::start_guarding(std::uint8_t node_id, can::Time now) {
   master_.slaves[node_id].guarding.start(guard_time(bits), retry_factor(bits), now);
   master_.set_error_bits(node_id, error_control::guarding_active, 0, now);
   guarding_tick(node_id, now);
-  master_.refresh(node_id);
 }
 
 void ErrorControl::stop_guarding(std::uint8_t node_id, can::Time now) {
   master_.slaves[node_id].guarding.stop();
   master_.set_error_bits(node_id, 0, error_control::guarding_active, now);
-  master_.refresh(node_id);
 }
 
 void ErrorControl::guarding_tick(std::uint8_t node_id, can::Time now) {
@@ -227,7 +219,6 @@ void ErrorControl::forget(can::Time now) {
     master_.slaves[n].guarding.forget();
     master_.set_error_bits(n, 0, 0xFFFF, now);
     master_.set_state(n, node_state::unknown, now);
-    master_.refresh(n);
   }
 }
 

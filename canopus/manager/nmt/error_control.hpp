@@ -40,8 +40,8 @@ class ErrorControl {
   void guarding_tick(std::uint8_t node_id, can::Time now);
 
   // --- lost heartbeats: reported in the next tick, not from inside the node
-  [[nodiscard]] bool has_lost_heartbeats() const noexcept { return lost_heartbeats_ != 0; }
   void tick(can::Time now);
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
   void forget_lost_heartbeats() noexcept;
 
   /// Nothing is known of anybody.
@@ -50,7 +50,6 @@ class ErrorControl {
   void clear(std::uint8_t node_id, can::Time now);
 
  private:
-  void heartbeat_is_not_lost(Slave& slave) noexcept;
   void check_guarded_state(std::uint8_t node_id, std::uint8_t state, can::Time now);
   /// True: it has begun to be in another state than expected.
   bool is_newly_wrong(std::uint8_t node_id, std::uint8_t state, can::Time now);
@@ -59,7 +58,7 @@ class ErrorControl {
   void event(std::uint8_t node_id, ErrorControlEvent event, can::Time now);
 
   MasterContext& master_;
-  unsigned lost_heartbeats_ = 0;  // slaves with Slave::heartbeat_lost
+  can::Alarm alarm_;  // set while there are slaves with Slave::heartbeat_lost
 };
 
 }  // namespace canopus::manager

@@ -32,7 +32,7 @@ void FlyingMaster::stop() noexcept {
 
 void FlyingMaster::enter(State state, can::Time until) {
   state_ = state;
-  deadline_ = until;
+  alarm_ = until;
 }
 
 can::Duration FlyingMaster::whole_negotiation() const noexcept {
@@ -64,14 +64,14 @@ void FlyingMaster::receive(const can::Frame& frame, can::Time now) {
   // Standby: the active master's sign of life.
   if (state_ == State::standby && frame.identifier == canopen::cob_id::error_control + active_master_ &&
       frame.length() == 1 && frame.data[0] != 0) {
-    deadline_ = can::later(now, heartbeat_time_);
+    alarm_ = can::later(now, heartbeat_time_);
   }
 }
 
 void FlyingMaster::tick(can::Time now) {
-  if (deadline_ > now) return;
+  if (alarm_ > now) return;
   switch (state_) {
-    case State::off: deadline_ = can::never; return;
+    case State::off: alarm_.cancel(); return;
     case State::delay:
       sink_->send(can::data_frame(detect_active_master));
       return enter(State::detecting, can::later(now, timing_.time_out));
@@ -81,7 +81,7 @@ void FlyingMaster::tick(can::Time now) {
       if (!reset_seen_ || can::later(last_reset_, whole_negotiation()) < now) {
         reset_seen_ = true;
         last_reset_ = now;
-        user_->reset_all_nodes(now);
+        listener_->reset_all_nodes(now);
       }
       return negotiate(true, now);
     case State::negotiating: return become_active(now);
@@ -89,11 +89,11 @@ void FlyingMaster::tick(can::Time now) {
       reset_seen_ = true;
       last_reset_ = now;
       active_master_ = 0;
-      user_->reset_all_nodes(now);
+      listener_->reset_all_nodes(now);
       return enter(State::delay, can::later(now, timing_.negotiation_delay));
     case State::active:
       sink_->send(can::data_frame(force_negotiation));
-      deadline_ = can::later(now, timing_.detect_cycle);
+      alarm_ = can::later(now, timing_.detect_cycle);
       return;
   }
 }
@@ -127,7 +127,7 @@ void FlyingMaster::claimed(std::uint8_t level, std::uint8_t node_id, can::Time n
 
 void FlyingMaster::become_standby(std::uint8_t master, can::Time now) {
   active_master_ = master;
-  heartbeat_time_ = user_->standby_for(master, now);
+  heartbeat_time_ = listener_->standby_for(master, now);
   enter(State::standby, can::later(now, heartbeat_time_));
 }
 
@@ -135,13 +135,13 @@ void FlyingMaster::become_active(can::Time now) {
   active_master_ = node_id_;
   enter(State::active, can::later(now, timing_.detect_cycle));
   send_claim();
-  user_->mastership_won(now);
+  listener_->mastership_won(now);
 }
 
 void FlyingMaster::resign(can::Time now) {
   if (state_ != State::active) return;
   enter(State::negotiating, can::never);
-  user_->mastership_lost(now);
+  listener_->mastership_lost(now);
 }
 
 void FlyingMaster::send_claim() {

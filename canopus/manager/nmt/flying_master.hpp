@@ -63,15 +63,15 @@ class FlyingMaster {
  public:
   enum class State : std::uint8_t { off, delay, detecting, negotiating, standby, active };
 
-  FlyingMaster(can::Sink& sink, FlyingMasterListener& user) : sink_(&sink), user_(&user) {}
+  FlyingMaster(can::Sink& sink, FlyingMasterListener& listener) : sink_(&sink), listener_(&listener) {}
 
   /// Begins after a power-on or reset communication.
   void start(std::uint8_t node_id, const FlyingMasterTiming& timing, can::Time now);
-  /// Silent from now on; the user is not notified.
+  /// Silent from now on; the listener is not notified.
   void stop() noexcept;
   void receive(const can::Frame& frame, can::Time now);
   void tick(can::Time now);
-  [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
 
   [[nodiscard]] State state() const noexcept { return state_; }
   /// Node-ID of the active master while standby, own while active, else 0.
@@ -90,15 +90,15 @@ class FlyingMaster {
   [[nodiscard]] can::Duration whole_negotiation() const noexcept;
 
   can::Sink* sink_;
-  FlyingMasterListener* user_;
+  FlyingMasterListener* listener_;
   FlyingMasterTiming timing_;
   std::uint8_t node_id_ = 0;
   std::uint8_t active_master_ = 0;
   State state_ = State::off;
   can::Duration heartbeat_time_{};
-  can::Time deadline_ = can::never;
   can::Time last_reset_{};  // of all nodes, sent or heard
   bool reset_seen_ = false;
+  can::Alarm alarm_;
 };
 
 }  // namespace canopus::manager

@@ -27,7 +27,6 @@ void FlyingStartUp::begin(can::Time now) {
   }
   const FlyingMasterTiming timing = flying_timing(objects, master_.node.node_id());
   flying_.start(master_.node.node_id(), timing, now);
-  master_.refresh_master(now);
 }
 
 void FlyingStartUp::stop() noexcept {
@@ -35,10 +34,9 @@ void FlyingStartUp::stop() noexcept {
   standby_entry_ = 0;
 }
 
-bool FlyingStartUp::receive(const can::Frame& frame, can::Time now) {
-  if (flying_.state() == FlyingMaster::State::off && frame.identifier != canopen::cob_id::nmt) return false;
-  flying_.receive(frame, now);
-  return true;
+void FlyingStartUp::receive(const can::Frame& frame, can::Time now) {
+  if (flying_.state() != FlyingMaster::State::off || frame.identifier == canopen::cob_id::nmt)
+    flying_.receive(frame, now);
 }
 
 void FlyingStartUp::mastership_won(can::Time now) {
@@ -54,7 +52,7 @@ void FlyingStartUp::mastership_lost(can::Time now) {
   start_up_.withdraw(now);
   commands_.clear();
   error_control_.forget_lost_heartbeats();
-  start_up_.enter(StartUp::Phase::slave, now);
+  start_up_.enter(StartUp::Phase::slave);
   for (std::uint8_t n = 1; n < 128; ++n) error_control_.stop_guarding(n, now);
   start_up_.show_active(false, now);
   start_up_.show_starting(now);

@@ -28,12 +28,9 @@ class FlyingStartUp final : private FlyingMasterListener {
   /// Node-ID of the active master that is known of, 0 = none.
   [[nodiscard]] std::uint8_t active_master() const noexcept { return flying_.active_master(); }
 
-  /// True when there may be new deadlines.
-  bool receive(const can::Frame& frame, can::Time now);
-  void tick(can::Time now) {
-    if (flying_.deadline() <= now) flying_.tick(now);
-  }
-  [[nodiscard]] can::Time deadline() const noexcept { return flying_.deadline(); }
+  void receive(const can::Frame& frame, can::Time now);
+  void tick(can::Time now) { flying_.tick(now); }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return flying_.alarm(); }
 
  private:
   void mastership_won(can::Time now) override;

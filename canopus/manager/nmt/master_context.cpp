@@ -15,7 +15,10 @@ MasterListener& no_listener() {
 }  // namespace
 
 MasterContext::MasterContext(canopen::Node& the_node, const MasterOptions& the_options)
-    : node(the_node), options(the_options), listener(&no_listener()) {}
+    : node(the_node), options(the_options), listener(&no_listener()) {
+  for (std::uint8_t node_id = 1; node_id < slaves.size(); ++node_id)
+    alarms[node_id].add_part(slaves[node_id].guarding.alarm());
+}
 
 void MasterContext::set_listener(MasterListener* to) noexcept {
   listener = to != nullptr ? to : &no_listener();
@@ -34,13 +37,6 @@ void MasterContext::set_error_bits(std::uint8_t node_id, std::uint16_t set, std:
   if (bits == shown) return;
   shown = bits;
   listener->error_control_changed(node_id, bits, now);
-}
-
-void MasterContext::refresh(std::uint8_t node_id) {
-  const Slave& slave = slaves[node_id];
-  can::Time next = slave.guarding.deadline();
-  if (slave.boot) next = std::min(next, slave.boot->deadline());
-  timers.set(node_id, next);
 }
 
 std::uint32_t MasterContext::assignment(std::uint8_t node_id) const {

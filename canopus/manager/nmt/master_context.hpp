@@ -2,8 +2,8 @@
 // What the parts of one NMT master share: its node, whose dictionary configures them, its options, what is
 // known of each slave, the timers; and what they ask of the master as a whole.
 //
-// Everything that has a time lies in one tournament of 128 timers: number n for what concerns node n (its
-// boot, its guarding), number 0 for the master itself.
+// Whatever waits has an alarm: those of a node's boot and guarding belong to the node's (`alarms`), all others to
+// number 0.
 
 #include <array>
 #include <cstdint>
@@ -14,7 +14,7 @@
 #include "canopus/manager/boot/boot_host.hpp"
 #include "canopus/manager/boot/start_up_bits.hpp"
 #include "canopus/manager/nmt/slave.hpp"
-#include "canopus/manager/sdo/node_timers.hpp"
+#include "canopus/manager/sdo/node_alarms.hpp"
 
 namespace canopus::manager {
 
@@ -36,18 +36,12 @@ class MasterContext : public BootHost {
   virtual void slave_lost(std::uint8_t node_id, can::Time now) = 0;
   /// This master is one of several that shall agree.
   virtual void begin_flying(can::Time now) = 0;
-  /// Deadlines that concern no single node may have changed.
-  virtual void refresh_master(can::Time now) = 0;
 
   /// nullptr: nobody.
   void set_listener(MasterListener* to) noexcept;
   /// Shows another state or other error control bits, and reports the change.
   void set_state(std::uint8_t node_id, std::uint8_t state, can::Time now);
   void set_error_bits(std::uint8_t node_id, std::uint16_t set, std::uint16_t clear, can::Time now);
-  /// The deadlines of a node may have changed.
-  void refresh(std::uint8_t node_id);
-  /// Something is to be done in the next tick.
-  void wake(can::Time now) { timers.set(0, now); }
 
   // BootHost
   [[nodiscard]] const canopen::ObjectDictionary& dictionary() const override { return node.dictionary(); }
@@ -66,7 +60,7 @@ class MasterContext : public BootHost {
   MasterListener* listener;  ///< never nullptr
   ConfigurationSource* source = nullptr;
   std::array<Slave, 128> slaves;  ///< by node-ID; 0 is not used
-  NodeTimers timers;
+  NodeAlarms alarms;
 
  protected:
   ~MasterContext() = default;

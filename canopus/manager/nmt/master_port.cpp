@@ -9,7 +9,7 @@ bool MasterPort::send(const can::Frame& frame) {
   if ((frame.identifier & canopen::cob_id::function_code) != canopen::cob_id::sdo_request)
     return wire_.send(frame);
   if (node_->state() == canopen::NmtState::stopped) return true;
-  return line_.send(frame, wire_, now_);
+  return queue_.send(frame, wire_, now_);
 }
 
 }  // namespace canopus::manager

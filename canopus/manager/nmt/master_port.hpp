@@ -1,7 +1,7 @@
 #pragma once
-// The way between an NMT master and its bus. SDO requests wait in line (sdo_request_queue.hpp). On a bus that is a
-// function call, answers come from inside send(), in the middle of whatever sends: they are kept until that
-// is done.
+// The port of an NMT master to its bus. SDO requests go through a queue (sdo_request_queue.hpp). On a bus that is a
+// function call, answers come from inside send(), in the middle of whatever sends: they are deferred until that is
+// done.
 
 #include <cstdint>
 #include <utility>
@@ -25,34 +25,42 @@ class MasterPort final : public can::Sink {
   [[nodiscard]] bool is_muted() const noexcept { return muted_; }
   /// Everything is given up.
   void clear() noexcept {
-    line_.clear();
-    kept_.clear();
+    queue_.clear();
+    deferred_.clear();
+    alarm_.cancel();
   }
 
   /// The time of what is sent from now on.
   void set_time(can::Time now) noexcept { now_ = now; }
   /// The controller has sent an SDO request.
   void request_transmitted(std::uint32_t identifier, can::Time now) {
-    line_.transmitted(identifier, wire_, now);
+    queue_.transmitted(identifier, wire_, now);
   }
-  /// An SDO request with this identifier is in line, and the line moves.
+  /// An SDO request with this identifier is in the queue, and the queue moves.
   [[nodiscard]] bool waits(std::uint32_t identifier, can::Time now) const noexcept {
-    return line_.waits(identifier, now);
+    return queue_.waits(identifier, now);
   }
 
   /// Inside send().
   [[nodiscard]] bool is_sending() const noexcept { return wire_.depth != 0; }
-  void keep(const can::Frame& frame) { kept_.push_back(frame); }
-  /// Frames are kept, and none of those before is being heard.
-  [[nodiscard]] bool may_hear_kept() const noexcept { return !kept_.empty() && hearing_.empty(); }
-  [[nodiscard]] bool has_kept() const noexcept { return !kept_.empty(); }
-  template <typename Hear>
-  void process_deferred(Hear hear) {
-    if (!may_hear_kept()) return;
-    std::swap(kept_, hearing_);  // what is sent now may be answered at once again
-    for (const can::Frame& frame : hearing_) hear(frame);
-    hearing_.clear();
+  /// process_deferred() is to be called for it in the next tick.
+  void defer(const can::Frame& frame, can::Time now) {
+    deferred_.push_back(frame);
+    alarm_ = now;
   }
+  /// Frames are deferred, and none of those before is being processed.
+  [[nodiscard]] bool may_process_deferred() const noexcept {
+    return !deferred_.empty() && processing_.empty();
+  }
+  template <typename Process>
+  void process_deferred(Process process) {
+    if (!may_process_deferred()) return;
+    std::swap(deferred_, processing_);  // what is sent now may be answered at once again
+    alarm_.cancel();
+    for (const can::Frame& frame : processing_) process(frame);
+    processing_.clear();
+  }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
 
  private:
   struct Wire final : can::Sink {
@@ -69,11 +77,12 @@ class MasterPort final : public can::Sink {
 
   Wire wire_;
   const canopen::Node* node_;
-  SdoRequestQueue line_;
-  std::vector<can::Frame> kept_;
-  std::vector<can::Frame> hearing_;  // of those, what is being heard
+  SdoRequestQueue queue_;
+  std::vector<can::Frame> deferred_;
+  std::vector<can::Frame> processing_;  // of those, what process_deferred() is at
   can::Time now_{};
   bool muted_ = false;
+  can::Alarm alarm_;
 };
 
 }  // namespace canopus::manager

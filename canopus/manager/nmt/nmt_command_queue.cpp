@@ -7,7 +7,6 @@ void NmtCommandQueue::push(canopen::NmtCommand command, std::uint8_t node_id, ca
   commands_[(first_ + count_) % places] = {command, node_id};
   ++count_;
   flush(now);
-  master_.refresh_master(now);
 }
 
 void NmtCommandQueue::flush(can::Time now) {
@@ -30,6 +29,7 @@ void NmtCommandQueue::flush(can::Time now) {
     master_.command_sent(next.command, next.node_id, now);
   }
   is_flushing_ = false;
+  alarm_ = count_ > 0 ? next_ : can::never;
 }
 
 }  // namespace canopus::manager

@@ -18,8 +18,11 @@ class NmtCommandQueue {
   void push(canopen::NmtCommand command, std::uint8_t node_id, can::Time now);
   /// Sends what may go now; MasterContext::command_sent() for each.
   void flush(can::Time now);
-  void clear() noexcept { first_ = count_ = 0; }
-  [[nodiscard]] can::Time deadline() const noexcept { return count_ > 0 ? next_ : can::never; }
+  void clear() noexcept {
+    first_ = count_ = 0;
+    alarm_.cancel();
+  }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
 
  private:
   struct Command {
@@ -36,6 +39,7 @@ class NmtCommandQueue {
   std::size_t count_ = 0;
   bool is_flushing_ = false;
   can::Time next_{};  // not before this
+  can::Alarm alarm_;  // while commands wait
 };
 
 }  // namespace canopus::manager

@@ -12,15 +12,16 @@ using canopen::NmtState;
 
 NmtMaster::NmtMaster(canopen::Node& the_node, can::Sink& sink, const MasterOptions& the_options)
     : MasterContext(the_node, the_options),
-      link_(sink, the_node),
-      requests_(link_, *this),
+      port_(sink, the_node),
+      requests_(port_, *this),
       commands_(*this),
       error_control_(*this),
-      start_up_(*this, link_, link_.wire()),
-      flying_(*this, link_, start_up_, error_control_, commands_),
+      start_up_(*this, port_, port_.wire()),
+      flying_(*this, port_, start_up_, error_control_, commands_),
       nmt_requests_(*this, start_up_, error_control_) {
-  alarm().add_part(timers.alarm());
-  alarm().add_part(requests_.alarm());
+  for (can::Alarm* part : {&start_up_.alarm(), &flying_.alarm(), &commands_.alarm(), &error_control_.alarm()})
+    alarms[0].add_part(*part);
+  for (can::Alarm* part : {&port_.alarm(), &alarms.alarm(), &requests_.alarm()}) alarm().add_part(*part);
 }
 
 void NmtMaster::start(can::Time now) {
@@ -31,19 +32,18 @@ void NmtMaster::start(can::Time now) {
 void NmtMaster::stop(can::Time now) {
   const bool was_active = active();
   start_up_.search().abandon(now);
-  link_.mute(true);
+  port_.mute(true);
   start_up_.abandon_boots();
-  link_.mute(false);
-  link_.clear();
+  port_.mute(false);
+  port_.clear();
   flying_.stop();
   start_up_.turn_off();
-  link_.mute(true);
+  port_.mute(true);
   requests_.cancel(0, AbortCode::device_state, now);
-  link_.mute(false);
+  port_.mute(false);
   start_up_.forget();
   commands_.clear();
   error_control_.forget(now);
-  timers.set(0, can::never);
   if (was_active) start_up_.show_active(false, now);
   start_up_.show_starting(now);
 }
@@ -51,49 +51,44 @@ void NmtMaster::stop(can::Time now) {
 // --- frames
 
 void NmtMaster::receive(const can::Frame& frame, can::Time now) {
-  link_.set_time(now);
+  port_.set_time(now);
   if (frame.extended || frame.remote) return;
-  if (link_.is_sending()) {
-    link_.keep(frame);
-    return wake(now);
-  }
+  if (port_.is_sending()) return port_.defer(frame, now);
   process_deferred(now);
-  hear(frame, now);
+  process(frame, now);
 }
 
 void NmtMaster::process_deferred(can::Time now) {
-  link_.process_deferred([this, now](const can::Frame& frame) { hear(frame, now); });
+  port_.process_deferred([this, now](const can::Frame& frame) { process(frame, now); });
 }
 
-void NmtMaster::hear(const can::Frame& frame, can::Time now) {
+void NmtMaster::process(const can::Frame& frame, can::Time now) {
   if (lss_active()) {
     start_up_.search().receive(frame, now);
-    refresh_master(now);
-    if (link_.is_muted()) return;  // not this network's
+    if (port_.is_muted()) return;  // not this network's
   }
-  if (flying_.receive(frame, now)) refresh_master(now);
+  flying_.receive(frame, now);
   if (start_up_.phase() == StartUp::Phase::off) return;
   const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
   if (node_id == 0 || node_id == node.node_id()) return;
   switch (frame.identifier & canopen::cob_id::function_code) {
-    case canopen::cob_id::sdo_response: return hear_sdo_response(node_id, frame, now);
+    case canopen::cob_id::sdo_response: return process_sdo_response(node_id, frame, now);
     case canopen::cob_id::error_control:
-      if (active() && frame.length() == 1) hear_error_control(node_id, frame, now);
+      if (active() && frame.length() == 1) process_error_control(node_id, frame, now);
       return;
     default: return;
   }
 }
 
-void NmtMaster::hear_sdo_response(std::uint8_t node_id, const can::Frame& frame, can::Time now) {
+void NmtMaster::process_sdo_response(std::uint8_t node_id, const can::Frame& frame, can::Time now) {
   if (!slaves[node_id].boot_uses_channel() || node.state() == NmtState::stopped) {
     return requests_.receive(frame, now);
   }
   slaves[node_id].boot->receive(frame, now);
   boot_may_have_ended_transfer(node_id, now);
-  refresh(node_id);
 }
 
-void NmtMaster::hear_error_control(std::uint8_t node_id, const can::Frame& frame, can::Time now) {
+void NmtMaster::process_error_control(std::uint8_t node_id, const can::Frame& frame, can::Time now) {
   const std::uint8_t byte = frame.data[0];
   if (byte != 0) {
     const auto state = static_cast<NmtState>(byte & 0x7F);
@@ -102,16 +97,15 @@ void NmtMaster::hear_error_control(std::uint8_t node_id, const can::Frame& frame
     error_control_.boot_up(node_id, now);
     start_up_.boot_up(node_id, now);
   }
-  refresh(node_id);
 }
 
 void NmtMaster::transmitted(const can::Frame& frame, can::Time now) {
-  link_.set_time(now);
+  port_.set_time(now);
   if (frame.extended || frame.remote) return;
   if ((frame.identifier & canopen::cob_id::function_code) != canopen::cob_id::sdo_request) return;
   const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
   if (slaves[node_id].boot_uses_channel()) slaves[node_id].boot->transmitted(now);
-  link_.request_transmitted(frame.identifier, now);
+  port_.request_transmitted(frame.identifier, now);
 }
 
 void NmtMaster::command_sent(NmtCommand command, std::uint8_t node_id, can::Time now) {
@@ -123,19 +117,14 @@ void NmtMaster::command_sent(NmtCommand command, std::uint8_t node_id, can::Time
 // --- time
 
 void NmtMaster::tick(can::Time now) {
-  link_.set_time(now);
+  port_.set_time(now);
   for (;;) {
-    if (link_.may_hear_kept()) {
+    if (port_.may_process_deferred()) {
       process_deferred(now);
-    } else if (timers.earliest() <= now) {
-      const std::uint8_t number = timers.first();
-      if (number == 0) {
-        master_tick(now);
-      } else {
-        node_tick(number, now);
-        refresh(number);
-      }
-    } else if (requests_.deadline() <= now) {
+    } else if (alarms.alarm() <= now) {
+      const std::uint8_t number = alarms.first();
+      number == 0 ? master_tick(now) : node_tick(number, now);
+    } else if (requests_.alarm() <= now) {
       requests_.tick(now);
     } else {
       return;
@@ -144,28 +133,20 @@ void NmtMaster::tick(can::Time now) {
 }
 
 void NmtMaster::node_tick(std::uint8_t node_id, can::Time now) {
-  if (slaves[node_id].guarding.deadline() <= now) error_control_.guarding_tick(node_id, now);
+  if (slaves[node_id].guarding.alarm() <= now) error_control_.guarding_tick(node_id, now);
   const Slave& slave = slaves[node_id];
-  if (slave.boot && slave.boot->deadline() <= now) {
+  if (slave.boot && slave.boot->alarm() <= now) {
     slave.boot->tick(now);
     boot_may_have_ended_transfer(node_id, now);
   }
 }
 
 void NmtMaster::master_tick(can::Time now) {
-  timers.set(0, can::never);
   start_up_.obey(now);
   error_control_.tick(now);
   flying_.tick(now);
   start_up_.tick(now);
   commands_.flush(now);
-  refresh_master(now);
-}
-
-void NmtMaster::refresh_master(can::Time now) {
-  can::Time next = std::min({start_up_.deadline(now), flying_.deadline(), commands_.deadline()});
-  if (error_control_.has_lost_heartbeats() || link_.has_kept()) next = now;
-  timers.set(0, next);
 }
 
 // --- SDO: start-up and application take turns, so that neither waits for the other's end
@@ -186,9 +167,7 @@ bool NmtMaster::channel_is_free(std::uint8_t node_id) {
 }
 
 void NmtMaster::channel_freed(std::uint8_t node_id, can::Time now) {
-  if (!slaves[node_id].boot) return;
-  slaves[node_id].boot->channel_freed(now);
-  refresh(node_id);
+  if (slaves[node_id].boot) slaves[node_id].boot->channel_freed(now);
 }
 
 void NmtMaster::boot_may_have_ended_transfer(std::uint8_t node_id, can::Time now) {
@@ -221,9 +200,8 @@ AbortCode NmtMaster::request_configuration(std::uint8_t node_id, can::Time now) 
   if (is_empty_concise_dcf(concise_dcf(node_id))) return AbortCode::no_data;
   BootSlave& boot = start_up_.boot_of(node_id);
   if (boot.running()) return AbortCode::device_state;
-  link_.set_time(now);
+  port_.set_time(now);
   boot.configure(now);
-  refresh(node_id);
   return AbortCode::none;
 }
 
@@ -239,7 +217,7 @@ AbortCode NmtMaster::read_object(std::uint8_t node_id, std::uint16_t index, std:
                                  const SdoRequestOptions& request_options) {
   const AbortCode refusal = check_sdo_request(node_id);
   if (refusal == AbortCode::none) {
-    link_.set_time(now);
+    port_.set_time(now);
     requests_.upload(node_id, index, sub, std::move(done), now, request_options);
   }
   return refusal;
@@ -250,7 +228,7 @@ AbortCode NmtMaster::write_object(std::uint8_t node_id, std::uint16_t index, std
                                   const SdoRequestOptions& request_options) {
   const AbortCode refusal = check_sdo_request(node_id);
   if (refusal == AbortCode::none) {
-    link_.set_time(now);
+    port_.set_time(now);
     requests_.download(node_id, index, sub, value, std::move(done), now, request_options);
   }
   return refusal;

@@ -18,7 +18,7 @@
 // Driving it: MasterNode does (master_node.hpp). Otherwise the owner of node and master
 //   - calls receive(frame, now) for every frame, *after* Node::receive (PDOs may be left out: nothing is done with
 //     them); tick() and deadline() as of any Participant;
-//   - forwards what its NodeListener hears:  nmt_state_changed   -> own_state_changed
+//   - forwards what its NodeListener gets:   nmt_state_changed   -> own_state_changed
 //                                            heartbeat_received  -> heartbeat_received
 //                                            heartbeat_lost      -> heartbeat_lost
 //   - calls start(now) after each power-on, reset node or reset communication of the node (from
@@ -156,18 +156,17 @@ class NmtMaster final : public can::Participant, private MasterContext, private 
   }
   /// Ends those to one node, or to all (0), with local_control.
   void cancel_requests(std::uint8_t node_id, can::Time now) {
-    link_.set_time(now);
+    port_.set_time(now);
     requests_.cancel(node_id, canopen::AbortCode::local_control, now);
   }
 
  private:
   // MasterContext
-  bool send(const can::Frame& frame) override { return link_.send(frame); }
-  void mute(bool muted) override { link_.mute(muted); }
+  bool send(const can::Frame& frame) override { return port_.send(frame); }
+  void mute(bool muted) override { port_.mute(muted); }
   void command_sent(canopen::NmtCommand command, std::uint8_t node_id, can::Time now) override;
   void slave_lost(std::uint8_t node_id, can::Time now) override { start_up_.slave_lost(node_id, now); }
   void begin_flying(can::Time now) override { flying_.begin(now); }
-  void refresh_master(can::Time now) override;
 
   // BootHost
   void send_nmt(canopen::NmtCommand command, std::uint8_t node_id, can::Time now) override {
@@ -180,7 +179,7 @@ class NmtMaster final : public can::Participant, private MasterContext, private 
   }
   bool sdo_channel_free(std::uint8_t node_id, can::Time now) override;
   [[nodiscard]] bool request_waits(std::uint8_t node_id, can::Time now) const override {
-    return link_.waits(canopen::cob_id::sdo_request + node_id, now);
+    return port_.waits(canopen::cob_id::sdo_request + node_id, now);
   }
   void presence_known(std::uint8_t node_id, bool present, can::Time now) override {
     error_control_.presence_known(node_id, present, now);
@@ -193,16 +192,16 @@ class NmtMaster final : public can::Participant, private MasterContext, private 
   bool channel_is_free(std::uint8_t node_id) override;
   void channel_freed(std::uint8_t node_id, can::Time now) override;
 
-  void hear(const can::Frame& frame, can::Time now);
+  void process(const can::Frame& frame, can::Time now);
   void process_deferred(can::Time now);
-  void hear_sdo_response(std::uint8_t node_id, const can::Frame& frame, can::Time now);
-  void hear_error_control(std::uint8_t node_id, const can::Frame& frame, can::Time now);
+  void process_sdo_response(std::uint8_t node_id, const can::Frame& frame, can::Time now);
+  void process_error_control(std::uint8_t node_id, const can::Frame& frame, can::Time now);
   void master_tick(can::Time now);
   void node_tick(std::uint8_t node_id, can::Time now);
   void boot_may_have_ended_transfer(std::uint8_t node_id, can::Time now);
   [[nodiscard]] canopen::AbortCode check_sdo_request(std::uint8_t node_id) const noexcept;
 
-  MasterPort link_;
+  MasterPort port_;
   SdoRequests requests_;
   NmtCommandQueue commands_;
   ErrorControl error_control_;

@@ -3,74 +3,75 @@
 namespace canopus::manager {
 
 void NodeGuarding::start(can::Duration guard_time, unsigned retry_factor, can::Time now) noexcept {
-  stop();
-  running_ = true;
-  guard_time_ = guard_time;
-  retry_factor_ = retry_factor;
-  next_request_ = now;
-  life_end_ = later(now, guard_time * retry_factor);
+  change({.running = true,
+          .toggle_known = state_.toggle_known,
+          .toggle = state_.toggle,
+          .retry_factor = retry_factor,
+          .guard_time = guard_time,
+          .next_request = now,
+          .life_end = later(now, guard_time * retry_factor)});
 }
 
 void NodeGuarding::stop() noexcept {
-  const bool known = toggle_known_;
-  const bool toggle = toggle_;
-  *this = NodeGuarding{};
-  toggle_known_ = known;
-  toggle_ = toggle;
+  change({.toggle_known = state_.toggle_known, .toggle = state_.toggle});
 }
 
 void NodeGuarding::expect_silence() noexcept {
-  silence_expected_ = !lost_;
-  lost_ = true;
-  awaiting_ = false;
-  toggle_known_ = false;  // its boot-up message, if it comes, will say
-  life_end_ = can::never;
+  state_.silence_expected = !state_.lost;
+  state_.lost = true;
+  state_.awaiting = false;
+  state_.toggle_known = false;  // its boot-up message, if it comes, will say
+  state_.life_end = can::never;
+  set_alarm();
 }
 
 void NodeGuarding::boot_up() noexcept {
-  toggle_known_ = true;
-  toggle_ = false;
-  awaiting_ = false;
+  state_.toggle_known = true;
+  state_.toggle = false;
+  state_.awaiting = false;
 }
 
 NodeGuarding::Due NodeGuarding::tick(can::Time now) noexcept {
   Due due;
-  if (next_request_ <= now) {
+  if (state_.next_request <= now) {
     due.request = true;
-    due.missed = awaiting_ && !lost_;
-    awaiting_ = true;
-    requested_ = now;
-    next_request_ = next_request_ + guard_time_ > now ? next_request_ + guard_time_ : later(now, guard_time_);
+    due.missed = state_.awaiting && !state_.lost;
+    state_.awaiting = true;
+    state_.requested = now;
+    const can::Time next = state_.next_request + state_.guard_time;
+    state_.next_request = next > now ? next : later(now, state_.guard_time);
   }
-  if (life_end_ <= now) {
+  if (state_.life_end <= now) {
     // With a retry factor of 1 the life time is no longer than the guard time: the answer to the remote frame
     // just sent must still have its time, or any jitter would lose the slave.
-    const can::Time least = later(requested_, guard_time_);
-    if (retry_factor_ == 1 && awaiting_ && !due.missed && least > now) {
-      life_end_ = least;
+    const can::Time least = later(state_.requested, state_.guard_time);
+    if (state_.retry_factor == 1 && state_.awaiting && !due.missed && least > now) {
+      state_.life_end = least;
     } else {
-      due.lost = !lost_;
-      lost_ = true;
-      life_end_ = can::never;
+      due.lost = !state_.lost;
+      state_.lost = true;
+      state_.life_end = can::never;
     }
   }
+  set_alarm();
   return due;
 }
 
 NodeGuarding::Answer NodeGuarding::answer(std::uint8_t byte, can::Time now) noexcept {
   Answer result;
   const bool toggle = (byte & 0x80) != 0;
-  result.accepted = !toggle_known_ || toggle == toggle_;
+  result.accepted = !state_.toggle_known || toggle == state_.toggle;
   if (!result.accepted) return result;
-  toggle_known_ = true;
-  toggle_ = !toggle;
-  if (!running_) return result;
-  result.resolved = lost_ && !silence_expected_;
-  silence_expected_ = false;
-  awaiting_ = false;
-  answered_ = true;
-  lost_ = false;
-  life_end_ = later(now, guard_time_ * retry_factor_);
+  state_.toggle_known = true;
+  state_.toggle = !toggle;
+  if (!state_.running) return result;
+  result.resolved = state_.lost && !state_.silence_expected;
+  state_.silence_expected = false;
+  state_.awaiting = false;
+  state_.answered = true;
+  state_.lost = false;
+  state_.life_end = later(now, state_.guard_time * state_.retry_factor);
+  set_alarm();
   return result;
 }
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "canopus/can/alarm.hpp"
 #include "canopus/can/time.hpp"
 
 namespace canopus::manager {
@@ -29,7 +30,7 @@ class NodeGuarding {
   /// The toggle bit is remembered: the slave goes on with it when guarding starts again.
   void stop() noexcept;
   /// Nothing is known of the slave.
-  void forget() noexcept { *this = NodeGuarding{}; }
+  void forget() noexcept { change({}); }
   /// The slave was reset: its silence is no news until it answers, and its toggle bit begins anew.
   void expect_silence() noexcept;
   /// The slave's boot-up message: the toggle bit of its next answer is 0.
@@ -39,24 +40,34 @@ class NodeGuarding {
   /// Also while not running: an answer to a single remote frame moves the toggle bit on.
   Answer answer(std::uint8_t byte, can::Time now) noexcept;
 
-  [[nodiscard]] bool running() const noexcept { return running_; }
+  [[nodiscard]] bool running() const noexcept { return state_.running; }
   /// Running, and answers are coming.
-  [[nodiscard]] bool alive() const noexcept { return running_ && answered_ && !lost_; }
-  [[nodiscard]] can::Time deadline() const noexcept { return std::min(next_request_, life_end_); }
+  [[nodiscard]] bool alive() const noexcept { return state_.running && state_.answered && !state_.lost; }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
 
  private:
-  bool running_ = false;
-  bool awaiting_ = false;
-  bool answered_ = false;
-  bool lost_ = false;
-  bool silence_expected_ = false;
-  bool toggle_known_ = false;
-  bool toggle_ = false;
-  unsigned retry_factor_ = 0;
-  can::Duration guard_time_{};
-  can::Time requested_{};
-  can::Time next_request_ = can::never;
-  can::Time life_end_ = can::never;
+  struct State {
+    bool running = false;
+    bool awaiting = false;
+    bool answered = false;
+    bool lost = false;
+    bool silence_expected = false;
+    bool toggle_known = false;
+    bool toggle = false;
+    unsigned retry_factor = 0;
+    can::Duration guard_time{};
+    can::Time requested{};
+    can::Time next_request = can::never;
+    can::Time life_end = can::never;
+  };
+  void change(const State& state) noexcept {
+    state_ = state;
+    set_alarm();
+  }
+  void set_alarm() noexcept { alarm_ = std::min(state_.next_request, state_.life_end); }
+
+  State state_;
+  can::Alarm alarm_;
 };
 
 }  // namespace canopus::manager

@@ -29,10 +29,9 @@ bool SlaveSearch::begin(can::Time now) {
   if (!any || master_.options.bit_rate == 0) return false;
   for (std::uint8_t n = 1; n < 128; ++n) {
     if (master_.slaves[n].is_booting()) master_.slaves[n].boot->suspend();
-    master_.refresh(n);
   }
   node_id_ = 0;
-  start_up_.enter(StartUp::Phase::searching, now);
+  start_up_.enter(StartUp::Phase::searching);
   master_.listener->lss_active_changed(true, now);
   if (goes_on()) next(now);
   return true;
@@ -44,7 +43,7 @@ void SlaveSearch::next(can::Time now) {
     if (!master_.slaves[node_id_].is_wanted) continue;
     const auto part = [&](std::uint16_t index) { return objects.get<std::uint32_t>(index, node_id_); };
     const lss::LssAddress address{part(0x1F85), part(0x1F86), part(0x1F87), part(0x1F88)};
-    if (search_.start(node_id_, address, master_.options.bit_rate, now)) return master_.refresh_master(now);
+    if (search_.start(node_id_, address, master_.options.bit_rate, now)) return;
   }
   master_.listener->lss_active_changed(false, now);
   if (goes_on()) start_up_.fail(now);

@@ -27,7 +27,7 @@ class SlaveSearch final : private lss::LssSearchListener {
 
   void receive(const can::Frame& frame, can::Time now) { search_.receive(frame, now); }
   void tick(can::Time now) { search_.tick(now); }
-  [[nodiscard]] can::Time deadline() const noexcept { return search_.deadline(); }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return search_.alarm(); }
 
  private:
   void change_bit_rate(std::uint32_t bit_rate, can::Time now) override;

@@ -21,20 +21,21 @@ bool StartUp::waits_for_own_start() const noexcept {
 
 void StartUp::request_begin(can::Time now) {
   begin_pending_ = true;
-  master_.wake(now);
+  alarm_.set(now);
 }
 
 void StartUp::own_state_changed(can::Time now) {
   own_state_changed_ = true;
-  master_.wake(now);
+  alarm_.set(now);
 }
 
 void StartUp::command_own_node(NmtCommand command, can::Time now) {
   own_command_ = static_cast<std::uint8_t>(command);
-  master_.wake(now);
+  alarm_.set(now);
 }
 
 void StartUp::obey(can::Time now) {
+  alarm_.cancel();
   if (own_command_ != 0) {
     const auto command = static_cast<NmtCommand>(own_command_);
     own_command_ = 0;
@@ -61,19 +62,14 @@ void StartUp::boot_assigned(can::Time now) {
 void StartUp::tick(can::Time now) {
   if (assigned_due_ <= now) boot_assigned(now);
   if (boot_end_ <= now) boot_time_elapsed(now);
-  if (search_.deadline() <= now) search_.tick(now);
+  if (search_.alarm() <= now) search_.tick(now);
   if (phase_end_ > now) return;
-  phase_end_ = can::never;
+  phase_end_.cancel();
   switch (phase_) {
     case Phase::settling: return become_operational(now);
     case Phase::wait_start_all: return start_slaves(now);
     default: return;
   }
-}
-
-can::Time StartUp::deadline(can::Time now) const noexcept {
-  if (begin_pending_ || own_state_changed_ || own_command_ != 0) return now;
-  return std::min({assigned_due_, boot_end_, phase_end_, search_.deadline()});
 }
 
 // Steps 1 and 2.
@@ -95,7 +91,7 @@ void StartUp::begin(can::Time now) {
 void StartUp::start_network(bool network_was_reset, can::Time now) {
   network_was_reset_ = network_was_reset;
   const bool was_active = active();
-  enter(Phase::booting, now);
+  enter(Phase::booting);
   if (!was_active) {
     show_active(true, now);
     if (phase_ != Phase::booting) return;
@@ -141,13 +137,16 @@ void StartUp::boot_all(bool all_were_reset, can::Time now) {
   if (any) {
     mandatory_done(now);  // none may be mandatory
   } else {
-    enter(Phase::settling, now, later(reset_time_, master_.options.start_all_delay));
+    enter(Phase::settling, later(reset_time_, master_.options.start_all_delay));
   }
 }
 
 BootSlave& StartUp::boot_of(std::uint8_t node_id) {
   auto& boot = master_.slaves[node_id].boot;
-  if (!boot) boot = std::make_unique<BootSlave>(node_id, master_, *sink_);
+  if (!boot) {
+    boot = std::make_unique<BootSlave>(node_id, master_, *sink_);
+    master_.alarms[node_id].add_part(boot->alarm());
+  }
   return *boot;
 }
 
@@ -160,7 +159,6 @@ void StartUp::start_boot(std::uint8_t node_id, bool after_reset, can::Time now) 
   }
   slave.wrong_state = false;
   boot.start(after_reset, now);
-  master_.refresh(node_id);
   show_starting(now);
 }
 
@@ -206,12 +204,12 @@ bool StartUp::all_booted(std::uint32_t assignment_bits) const {
 void StartUp::mandatory_done(can::Time now) {
   if (phase_ != Phase::booting) return;
   if (!all_booted(assignment_bit::slave | assignment_bit::mandatory)) return;
-  boot_end_ = can::never;
+  boot_end_.cancel();
   become_operational(now);
 }
 
 void StartUp::boot_time_elapsed(can::Time now) {
-  boot_end_ = can::never;
+  boot_end_.cancel();
   if (!search_.begin(now)) fail(now);
 }
 
@@ -226,7 +224,6 @@ void StartUp::fail(can::Time now) {
     if ((master_.assignment(n) & needed) != needed || !slave.boot || slave.boot->booted()) continue;
     if (first == 0) first = n;
     slave.boot->give_up(now);
-    master_.refresh(n);
   }
   giving_up_ = false;
   if (phase_ != phase || first == 0) return;
@@ -237,7 +234,7 @@ void StartUp::fail(can::Time now) {
 
 // Step 7.
 void StartUp::become_operational(can::Time now) {
-  enter(Phase::wait_operational, now);
+  enter(Phase::wait_operational);
   if ((bits_ & start_up_bit::wait_for_application) == 0) master_.node.command(NmtCommand::start, now);
   if (phase_ == Phase::wait_operational && master_.node.state() == NmtState::operational) {
     own_node_is_operational(now);
@@ -249,16 +246,16 @@ void StartUp::own_node_is_operational(can::Time now) {
   constexpr std::uint32_t rule = start_up_bit::start_all_nodes | start_up_bit::do_not_start_slaves;
   if ((bits_ & rule) == start_up_bit::start_all_nodes) {
     const can::Time earliest = later(reset_time_, master_.options.start_all_delay);
-    if (earliest > now) return enter(Phase::wait_start_all, now, earliest);
+    if (earliest > now) return enter(Phase::wait_start_all, earliest);
     return start_slaves(now);
   }
-  enter(Phase::running, now);
+  enter(Phase::running);
   finish(now);
 }
 
 // One command for all, unless somebody must not be started or is not ready: then each one singly.
 void StartUp::start_slaves(can::Time now) {
-  enter(Phase::running, now);
+  enter(Phase::running);
   const bool none_held = std::ranges::none_of(master_.slaves, &Slave::held);
   if (none_held && all_booted(assignment_bit::slave)) {
     master_.send_nmt(NmtCommand::start, all_nodes, now);
@@ -282,17 +279,15 @@ void StartUp::finish(can::Time now) {
   show_starting(now);
 }
 
-void StartUp::enter(Phase phase, can::Time now, can::Time until) {
+void StartUp::enter(Phase phase, can::Time until) {
   phase_ = phase;
   phase_end_ = until;
-  master_.refresh_master(now);
 }
 
 void StartUp::halt(can::Time now) {
-  boot_end_ = can::never;
-  enter(Phase::halted, now);
+  boot_end_.cancel();
+  enter(Phase::halted);
   abandon_boots();
-  for (std::uint8_t n = 1; n < 128; ++n) master_.refresh(n);
   show_starting(now);
 }
 
@@ -372,16 +367,15 @@ void StartUp::abandon_boots() {
 void StartUp::withdraw(can::Time now) {
   search_.abandon(now);
   abandon_boots();
-  boot_end_ = can::never;
+  boot_end_.cancel();
   begin_pending_ = network_was_reset_ = false;
 }
 
 void StartUp::forget() noexcept {
-  phase_end_ = boot_end_ = can::never;
+  for (can::Alarm* alarm : {&phase_end_, &boot_end_, &assigned_due_, &alarm_}) alarm->cancel();
   begin_pending_ = network_was_reset_ = own_state_changed_ = false;
   own_command_ = 0;
   assigned_.reset();
-  assigned_due_ = can::never;
 }
 
 void StartUp::show_active(bool active, can::Time now) {

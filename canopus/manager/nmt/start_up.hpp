@@ -25,7 +25,9 @@ class StartUp {
  public:
   /// Slaves are asked through `sink`; LSS frames go to `wire`.
   StartUp(MasterContext& master, can::Sink& sink, can::Sink& wire)
-      : master_(master), sink_(&sink), search_(master, *this, wire) {}
+      : master_(master), sink_(&sink), search_(master, *this, wire) {
+    for (can::Alarm* part : {&phase_end_, &boot_end_, &assigned_due_, &search_.alarm()}) alarm_.add_part(*part);
+  }
 
   enum class Phase : std::uint8_t {
     off,
@@ -68,13 +70,12 @@ class StartUp {
   void slave_assigned(std::uint8_t node_id, can::Time now) {
     assigned_.set(node_id);
     assigned_due_ = now;
-    master_.wake(now);
   }
   /// The slave's boot, which is made if there is none yet.
   BootSlave& boot_of(std::uint8_t node_id);
   /// No mandatory slave was found in time, nor by LSS.
   void fail(can::Time now);
-  void enter(Phase phase, can::Time now, can::Time until = can::never);
+  void enter(Phase phase, can::Time until = can::never);
 
   // --- giving up, step by step
   void abandon_boots();
@@ -92,7 +93,7 @@ class StartUp {
   /// What was to be carried out in this tick.
   void obey(can::Time now);
   void tick(can::Time now);
-  [[nodiscard]] can::Time deadline(can::Time now) const noexcept;
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
 
  private:
   void begin(can::Time now);
@@ -121,8 +122,8 @@ class StartUp {
   SlaveSearch search_;
   Phase phase_ = Phase::off;
   std::uint32_t bits_ = 0;            // 1F80H as it was at begin()
-  can::Time phase_end_ = can::never;  // of settling, wait_start_all
-  can::Time boot_end_ = can::never;   // 1F89H
+  can::Alarm phase_end_;              // of settling, wait_start_all
+  can::Alarm boot_end_;               // 1F89H
   can::Time reset_time_{};            // of the latest NMT reset of other nodes
   unsigned running_boots_ = 0;
   bool begin_pending_ = false;
@@ -131,8 +132,9 @@ class StartUp {
   bool was_starting_ = false;
   bool own_state_changed_ = false;
   std::bitset<128> assigned_;  // to be booted
-  can::Time assigned_due_ = can::never;
+  can::Alarm assigned_due_;
   std::uint8_t own_command_ = 0;  // NmtCommand for the own node; 0 = none
+  can::Alarm alarm_;              // itself: for obey()
 };
 
 }  // namespace canopus::manager

@@ -24,6 +24,7 @@ bool SdoRequests::add(std::uint8_t node_id, Request request, can::Time now) {
   if (!channel) {
     channel = std::make_unique<Channel>(*sink_);
     channel->client.set_server(node_id);
+    alarms_[node_id].add_part(channel->client.alarm());
   }
   channel->queue.push_back(std::move(request));
   begin(node_id, now);
@@ -39,7 +40,7 @@ bool SdoRequests::begin(std::uint8_t node_id, can::Time now) {
                                                              next.options.time_out, next.options.mode)
                                      : channel.client.download(next.index, next.sub, next.value, *this, now,
                                                                next.options.time_out, next.options.mode));
-  refresh(node_id, begun ? can::never : later(now, busy_retry));
+  alarms_[node_id].set(begun ? can::never : later(now, busy_retry));
   return begun;
 }
 
@@ -64,7 +65,7 @@ void SdoRequests::end(std::uint8_t node_id, AbortCode code, std::span<const std:
   Channel& channel = *channels_[node_id];
   const Request request = std::move(channel.queue.front());
   channel.queue.pop_front();
-  refresh(node_id);
+  alarms_[node_id].cancel();
   if (!request.done) return;
   const bool was_ending = std::exchange(channel.ending, true);
   request.done({node_id, request.index, request.sub, code, data}, now);
@@ -80,27 +81,19 @@ void SdoRequests::sdo_finished(canopen::SdoClient& client, can::Time now) {
   begin(node_id, now);
 }
 
-void SdoRequests::refresh(std::uint8_t node_id, can::Time retry) {
-  const Channel& channel = *channels_[node_id];
-  timers_.set(node_id, channel.client.busy() ? channel.client.deadline() : retry);
-}
-
 void SdoRequests::receive(const can::Frame& frame, can::Time now) {
   const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
-  if (!busy(node_id)) return;
-  channels_[node_id]->client.receive(frame, now);
-  if (busy(node_id)) refresh(node_id);
+  if (busy(node_id)) channels_[node_id]->client.receive(frame, now);
 }
 
 void SdoRequests::tick(can::Time now) {
-  while (timers_.earliest() <= now) {
-    const std::uint8_t node_id = timers_.first();
+  while (alarms_.alarm() <= now) {
+    const std::uint8_t node_id = alarms_.first();
+    alarms_[node_id].cancel();
     Channel& channel = *channels_[node_id];
     if (channel.client.busy()) {
       channel.client.tick(now);
-      if (channel.client.busy()) refresh(node_id);
     } else {
-      timers_.set(node_id, can::never);
       begin(node_id, now);
     }
   }

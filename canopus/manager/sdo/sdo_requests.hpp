@@ -18,7 +18,7 @@
 
 #include "canopus/can/controller.hpp"
 #include "canopus/canopen/sdo/sdo_client.hpp"
-#include "canopus/manager/sdo/node_timers.hpp"
+#include "canopus/manager/sdo/node_alarms.hpp"
 
 namespace canopus::manager {
 
@@ -79,8 +79,7 @@ class SdoRequests final : private canopen::SdoClientListener {
 
   void receive(const can::Frame& frame, can::Time now);
   void tick(can::Time now);
-  [[nodiscard]] can::Time deadline() const noexcept { return timers_.earliest(); }
-  [[nodiscard]] can::Alarm& alarm() noexcept { return timers_.alarm(); }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarms_.alarm(); }
 
  private:
   struct Request {
@@ -102,12 +101,11 @@ class SdoRequests final : private canopen::SdoClientListener {
   bool begin(std::uint8_t node_id, can::Time now);
   void end(std::uint8_t node_id, canopen::AbortCode code, std::span<const std::uint8_t> data, can::Time now);
   void sdo_finished(canopen::SdoClient& client, can::Time now) override;
-  void refresh(std::uint8_t node_id, can::Time retry = can::never);
 
   can::Sink* sink_;
   SdoChannelGate* gate_;
   std::array<std::unique_ptr<Channel>, 128> channels_;
-  NodeTimers timers_;
+  NodeAlarms alarms_;  // of a channel: its client's, and when it is tried again
 };
 
 }  // namespace canopus::manager
