@@ -90,7 +90,7 @@ class Exchange {
   [[nodiscard]] bool is_right() {
     const unsigned words = 4U * pdos_;
     const auto received = [&](unsigned word) {
-      return module_.read_word(receive_first + word, now_) & 0xFFU;
+      return module_.program_read(receive_first + word, now_) & 0xFFU;
     };
     const unsigned sent = bus_.last.data[0] | static_cast<unsigned>(bus_.last.data[1]) << 8;
     return received(0) == (turn_ & 0xFFU) && received(words - 1) == ((turn_ + pdos_ - 1U) & 0xFFU) &&

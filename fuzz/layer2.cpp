@@ -127,7 +127,7 @@ class Run {
     module_.transmitted(frame, now_);
   }
   void check() {
-    const auto read = [&](BufferAddress address) { return module_.read_word(address, now_); };
+    const auto read = [&](BufferAddress address) { return module_.program_read(address, now_); };
     const std::uint32_t x = module_.inputs();
     constexpr std::uint16_t sum = 0x817A;
     if ((read(25) & 0x80) == 0) expect((x >> 0x0F & 1U) == ((read(29) & sum) != 0 ? 1U : 0U));

@@ -25,7 +25,7 @@ class MemoryModule final : public module::Module,
   [[nodiscard]] module::BufferMemoryAccess* buffer_memory() noexcept override { return this; }
   [[nodiscard]] module::SignalAccess* signals() noexcept override { return this; }
   [[nodiscard]] module::BufferAddress buffer_memory_size() const noexcept override { return 3000; }
-  [[nodiscard]] std::uint16_t read_word(module::BufferAddress address, can::Time /*now*/) override {
+  [[nodiscard]] std::uint16_t peek(module::BufferAddress address, can::Time /*now*/) const override {
     return words_.at(address);
   }
   void write_word(module::BufferAddress address, std::uint16_t value, can::Time /*now*/) override {

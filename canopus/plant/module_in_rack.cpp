@@ -226,7 +226,7 @@ void ModuleInRack::look(can::Time now) {
   if (const auto text = exchange_watch_.take_report()) report(*text, now);
   look_at_state(now);
   for (std::size_t i = 0; i < watched_.size(); ++i) {
-    const std::uint16_t value = module_->buffer_memory()->look_at_word(section_.watch[i], now);
+    const std::uint16_t value = module_->buffer_memory()->peek(section_.watch[i], now);
     if (value == watched_[i]) continue;
     watched_[i] = value;
     observer_.buffer_changed(plc_, section_.head, section_.watch[i], value, false, now);

@@ -67,7 +67,7 @@ class FrameCounter final : public module::Module,
 
   // module::BufferMemoryAccess
   [[nodiscard]] module::BufferAddress buffer_memory_size() const noexcept override { return 4; }
-  [[nodiscard]] std::uint16_t read_word(module::BufferAddress address, can::Time now) override {
+  [[nodiscard]] std::uint16_t peek(module::BufferAddress address, can::Time now) const override {
     const Count& count = counts_[node_];
     switch (address) {
       case 0: return node_;

@@ -77,11 +77,11 @@ TEST(NmtStatus, TwoNodesPerWord_TheOddOneIsLow_AndTheLastHighByteIsEmpty) {
   for (std::uint8_t node = 1; node <= 127; ++node) status.set_status(node, node);
   status.set_state(127, 5);
   memory.select_mode(every_mode);
-  EXPECT_EQ(memory.read(900, {}), 0x0201);
-  EXPECT_EQ(memory.read(962, {}), 0x7E7D);
-  EXPECT_EQ(memory.read(963, {}), 0x007F);
-  EXPECT_EQ(memory.read(964, {}), 0);
-  EXPECT_EQ(memory.read(727, {}), 5);
+  EXPECT_EQ(memory.peek(900, {}), 0x0201);
+  EXPECT_EQ(memory.peek(962, {}), 0x7E7D);
+  EXPECT_EQ(memory.peek(963, {}), 0x007F);
+  EXPECT_EQ(memory.peek(964, {}), 0);
+  EXPECT_EQ(memory.peek(727, {}), 5);
 }
 
 TEST(NmtStatus, WithoutWords_StillKnowsAFailure) {

@@ -26,7 +26,7 @@ class BufferMemoryTest : public testing::Test {
  protected:
   BufferMemoryTest() { memory_.select_mode(mode_a); }
   WriteResult write(BufferAddress address, std::uint16_t value) { return memory_.write(address, value, {}); }
-  std::uint16_t read(BufferAddress address) { return memory_.read(address, {}); }
+  std::uint16_t read(BufferAddress address) { return memory_.program_read(address, {}); }
 
   BufferMemory memory_{table};
 };
@@ -140,7 +140,7 @@ TEST_F(BufferMemoryTest, Check_KnowsTheRowsOfEveryMode) {
 // An area sees accesses after the table's check.
 TEST_F(BufferMemoryTest, Area_SeesCheckedAccessesOnly) {
   struct : BufferArea {
-    std::uint16_t read_word(BufferAddress address, can::Time) override {
+    std::uint16_t read_word(BufferAddress address, can::Time) const override {
       return static_cast<std::uint16_t>(address + 1);
     }
     WriteResult write_word(BufferAddress, std::uint16_t value, can::Time) override {

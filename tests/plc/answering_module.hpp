@@ -68,9 +68,9 @@ class AnsweringModule final : public FakeModule {
     words[address] = static_cast<std::uint16_t>(address == status_word ? words[address] | value : value);
     if (address == interface_.exchange.word) answer_at = now + answer_time;
   }
-  [[nodiscard]] std::uint16_t read_word(module::BufferAddress address, can::Time now) override {
+  [[nodiscard]] std::uint16_t program_read(module::BufferAddress address, can::Time now) override {
     if ((words[status_word] & initializing) != 0 && address != status_word) ++wrong_reads;
-    return FakeModule::read_word(address, now);
+    return FakeModule::program_read(address, now);
   }
   void tick(can::Time now) override {
     if (answer_at <= now) {

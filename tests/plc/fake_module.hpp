@@ -23,9 +23,12 @@ class FakeModule : public module::Module, public module::BufferMemoryAccess, pub
   [[nodiscard]] module::BufferMemoryAccess* buffer_memory() noexcept override { return this; }
   [[nodiscard]] module::SignalAccess* signals() noexcept override { return this; }
   [[nodiscard]] module::BufferAddress buffer_memory_size() const noexcept override { return size_; }
-  [[nodiscard]] std::uint16_t read_word(module::BufferAddress address, can::Time now) override {
+  [[nodiscard]] std::uint16_t program_read(module::BufferAddress address, can::Time now) override {
     last_time = now;
     ++reads;
+    return peek(address, now);
+  }
+  [[nodiscard]] std::uint16_t peek(module::BufferAddress address, can::Time) const override {
     const auto found = words.find(address);
     return found == words.end() ? std::uint16_t{0} : found->second;
   }

@@ -241,9 +241,9 @@ TEST(Fx3, ModulesOccupyNoXAndY) {
 class WatchingBlock final : public FakeModule {
  public:
   WatchingBlock() : FakeModule(8, 100) {}
-  std::uint16_t read_word(module::BufferAddress address, can::Time now) override {
+  std::uint16_t program_read(module::BufferAddress address, can::Time now) override {
     if (address == 29) return deadline() <= now ? 0x80 : 0;
-    return address < 20 ? received[address] : FakeModule::read_word(address, now);
+    return address < 20 ? received[address] : FakeModule::program_read(address, now);
   }
   void accessed(module::BufferAddress first, std::uint32_t count, can::Time now) override {
     accesses.emplace_back(first, count);

@@ -68,7 +68,7 @@ class FakeCommunicationModule final : public module::CommunicationModule,
   [[nodiscard]] module::BufferMemoryAccess* buffer_memory() noexcept override { return this; }
   [[nodiscard]] module::SignalAccess* signals() noexcept override { return this; }
   [[nodiscard]] module::BufferAddress buffer_memory_size() const noexcept override { return 700; }
-  [[nodiscard]] std::uint16_t read_word(module::BufferAddress address, can::Time) override {
+  [[nodiscard]] std::uint16_t peek(module::BufferAddress address, can::Time) const override {
     return words[address];
   }
   void write_word(module::BufferAddress address, std::uint16_t value, can::Time now) override {

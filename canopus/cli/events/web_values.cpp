@@ -43,7 +43,7 @@ text::Json word(plant::Plant& plant, std::string_view key) {
   if (!address || *module >= plant.modules().size() || *address > 0xFFFF) return nullptr;
   module::BufferMemoryAccess* const memory = plant.module(static_cast<std::size_t>(*module)).buffer_memory();
   if (memory == nullptr) return nullptr;
-  return memory->look_at_word(static_cast<std::uint16_t>(*address), plant.timeline().now());
+  return memory->peek(static_cast<std::uint16_t>(*address), plant.timeline().now());
 }
 
 text::Json object(plant::Plant& plant, std::string_view key) {

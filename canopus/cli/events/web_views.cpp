@@ -142,7 +142,7 @@ std::string WebViews::words_event(const text::Json& view) {
     Json line{{"address", word.address},
               {"name", row.name},
               {"access", access_name(row.access)},
-              {"value", memory->look_at_word(word.address, now)},
+              {"value", memory->peek(word.address, now)},
               {"initial", row.initial},
               {"section", row.section}};
     add_range(line, row.range);

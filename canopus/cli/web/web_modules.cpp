@@ -229,7 +229,7 @@ bool WebModules::initializes(std::size_t module, can::Time now) const {
   const module::ProgramInterface& interface = plant_.module(module).program_interface();
   module::BufferMemoryAccess* const buffer = plant_.module(module).buffer_memory();
   if (buffer == nullptr || interface.initializing == 0) return false;
-  const bool is_0 = (buffer->look_at_word(interface.status, now) & interface.initializing) == 0;
+  const bool is_0 = (buffer->peek(interface.status, now) & interface.initializing) == 0;
   return is_0 == interface.initializing_is_0;
 }
 
@@ -237,7 +237,7 @@ bool WebModules::initializes(std::size_t module, can::Time now) const {
 std::string WebModules::still_wrong(const Job& job, can::Time now) const {
   module::BufferMemoryAccess* const buffer = plant_.module(job.module).buffer_memory();
   if (buffer == nullptr || job.procedure->error_word_name.empty()) return {};
-  const std::uint16_t errors = buffer->look_at_word(job.procedure->error_word, now);
+  const std::uint16_t errors = buffer->peek(job.procedure->error_word, now);
   if (errors == 0) return {};
   return fmt::format("; {} is {:04X}H: that is still wrong", job.procedure->error_word_name, errors);
 }

@@ -65,7 +65,7 @@ class EmergencyBuffer final : public BufferArea {
   /// The last message of some node was not that its errors are over.
   [[nodiscard]] bool any_active() const noexcept { return active_.any(); }
 
-  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time) override {
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time) const override {
     return words_[address - layout_.first];
   }
   /// 0 to the first word clears the whole buffer; other writes have no effect.

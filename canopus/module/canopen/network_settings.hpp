@@ -35,7 +35,7 @@ class NetworkSettings final : public BufferArea {
   }
   [[nodiscard]] can::Duration sdo_time_out() const { return master_->options().sdo_time_out; }
 
-  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time) override {
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time) const override {
     return memory_->word(address);
   }
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time) override {

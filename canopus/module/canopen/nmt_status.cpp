@@ -26,7 +26,7 @@ void NmtStatus::reset() noexcept {
   failing_.reset();
 }
 
-std::uint16_t NmtStatus::read_word(BufferAddress address, can::Time) {
+std::uint16_t NmtStatus::read_word(BufferAddress address, can::Time) const {
   if (layout_.state && address - *layout_.state < last_node) {
     return state_[address - *layout_.state + 1U];
   }

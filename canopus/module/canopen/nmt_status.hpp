@@ -77,7 +77,7 @@ class NmtStatus final : public BufferArea {
   /// As from power-on; what is held clear stays so.
   void reset() noexcept;
 
-  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) const override;
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
   /// Nodes whose failures the program has cleared by writing, since the last call.
   [[nodiscard]] std::bitset<128> take_cleared() noexcept { return std::exchange(cleared_, {}); }

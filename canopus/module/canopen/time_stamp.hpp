@@ -59,7 +59,7 @@ class TimeStamp final : public BufferArea {
   [[nodiscard]] can::Alarm& alarm() noexcept { return next_; }
   void tick(can::Time now);
 
-  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time) override {
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time) const override {
     return memory_->word(address);
   }
   /// Producer/consumer and daily correction act at once; the others when the program sets the clock.

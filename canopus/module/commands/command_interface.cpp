@@ -34,7 +34,7 @@ void CommandInterface::reset() {
   shown_failing_ = 0;
 }
 
-std::uint16_t CommandInterface::read_word(BufferAddress address, can::Time) {
+std::uint16_t CommandInterface::read_word(BufferAddress address, can::Time) const {
   const std::size_t word = address - layout_->first;
   if (locked_) {
     constexpr std::array<std::uint16_t, 2> was_busy{command_error::result, command_error::was_busy};

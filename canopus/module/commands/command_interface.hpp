@@ -172,7 +172,7 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientListe
   /// The node whose default SDO channel is in use, or 0.
   [[nodiscard]] std::uint8_t remote_node() const noexcept { return client_.busy() ? client_.server() : 0; }
 
-  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) const override;
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 
   /// The frame of CommandHost::send_plain_frame() is sent.

@@ -65,7 +65,7 @@ void ExchangeControl::reset() noexcept {
   end_ = can::never;
 }
 
-std::uint16_t ExchangeControl::read_word(BufferAddress address, can::Time) {
+std::uint16_t ExchangeControl::read_word(BufferAddress address, can::Time) const {
   if (layout_->reads_choice) return memory_->word(address);
   if (layout_->at_once) {
     const bool valid = data_.node.state() == canopen::NmtState::operational &&

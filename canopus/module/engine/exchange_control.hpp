@@ -71,7 +71,7 @@ class ExchangeControl final : public BufferArea {
   }
   [[nodiscard]] can::Alarm& alarm() noexcept { return end_; }
 
-  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) const override;
   /// What was chosen is not what is read.
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 

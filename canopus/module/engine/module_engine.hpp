@@ -106,10 +106,10 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   [[nodiscard]] BufferAddress buffer_memory_size() const noexcept override {
     return parts_.model.buffer_memory_size;
   }
-  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
-  [[nodiscard]] std::uint16_t look_at_word(BufferAddress address, can::Time now) override {
-    return parts_.state.phase == Phase::off ? std::uint16_t{0} : parts_.buffer.read(address, now);
+  [[nodiscard]] std::uint16_t peek(BufferAddress address, can::Time now) const override {
+    return parts_.state.phase == Phase::off ? std::uint16_t{0} : parts_.buffer.peek(address, now);
   }
+  [[nodiscard]] std::uint16_t program_read(BufferAddress address, can::Time now) override;
   void write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 
   // can::Participant

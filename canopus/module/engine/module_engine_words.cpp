@@ -8,9 +8,10 @@
 
 namespace canopus::module {
 
-std::uint16_t ModuleEngine::read_word(BufferAddress address, can::Time now) {
+std::uint16_t ModuleEngine::program_read(BufferAddress address, can::Time now) {
+  if (parts_.state.phase == Phase::off) return 0;
   note_access(address, now);
-  return look_at_word(address, now);
+  return parts_.buffer.program_read(address, now);
 }
 
 // A module that stays in its initialization takes commands, which reset the object dictionary, and the restart.

@@ -17,7 +17,7 @@ class RegisterWords final : public RegisterAccess {
 
   [[nodiscard]] std::span<const RegisterRange> registers() const noexcept override { return ranges_; }
   [[nodiscard]] std::uint16_t read_register(RegisterKind kind, std::uint32_t number, can::Time now) override {
-    return owns(kind, number) ? words_.read_word(number, now) : std::uint16_t{0};
+    return owns(kind, number) ? words_.program_read(number, now) : std::uint16_t{0};
   }
   void write_register(RegisterKind kind, std::uint32_t number, std::uint16_t value, can::Time now) override {
     if (owns(kind, number)) words_.write_word(number, value, now);

@@ -25,7 +25,7 @@ StatusWords::StatusWords(const std::optional<StatusWordsLayout>& layout, BufferM
   }
 }
 
-std::uint16_t StatusWords::read_word(BufferAddress address, can::Time) {
+std::uint16_t StatusWords::read_word(BufferAddress address, can::Time) const {
   if (address == layout_.communication_status) return static_cast<std::uint16_t>(communication_status());
   if (address == layout_.active_bit_rate) {
     const ModuleState& state = sources_.state;

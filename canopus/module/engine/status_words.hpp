@@ -63,7 +63,7 @@ class StatusWords final : public BufferArea {
   /// As from power-on.
   void reset() noexcept { nmt_reset_seen_ = time_seen_ = false; }
 
-  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) const override;
   /// Acts on two bits of the communication status only, and only as a 0.
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 

@@ -32,17 +32,24 @@ bool WordPort::means_something(const RequestWordRow& row) const noexcept {
   return (!state.initializing() || (is_stuck && is_way_out)) && (row.modes & state.mode->bit) != 0;
 }
 
-std::uint16_t WordPort::read_word(BufferAddress address, can::Time now) {
+std::uint16_t WordPort::read_word(BufferAddress address, can::Time now) const {
   std::uint16_t asked = 0;
   for (const Entry& entry : entries_) {
     const RequestWordRow& row = *entry.row;
     if (row.word != address || !means_something(row)) continue;
-    if (row.use == RequestUse::read_clock) engine_.read_clock(now);
     if (row.use == RequestUse::online && online_wanted_) asked = row.bits.value_or(0);
   }
-  BufferArea* owner = behind(address);
+  const BufferArea* owner = behind(address);
   const std::uint16_t value = owner != nullptr ? owner->read_word(address, now) : memory_.word(address);
   return static_cast<std::uint16_t>(value | asked);
+}
+
+void WordPort::program_reads(BufferAddress address, can::Time now) {
+  for (const Entry& entry : entries_) {
+    const RequestWordRow& row = *entry.row;
+    if (row.word == address && row.use == RequestUse::read_clock && means_something(row)) engine_.read_clock(now);
+  }
+  if (BufferArea* owner = behind(address)) owner->program_reads(address, now);
 }
 
 WriteResult WordPort::write_word(BufferAddress address, std::uint16_t value, can::Time now) {

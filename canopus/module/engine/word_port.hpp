@@ -37,7 +37,8 @@ class WordPort final : public RequestPort, public BufferArea {
   void initialization_begins(can::Time now) override;
   void went_offline() override { online_wanted_ = false; }
 
-  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) const override;
+  void program_reads(BufferAddress address, can::Time now) override;
   /// Ignored while the data exchange runs that this word asked for [FX3U-CAN 6.4].
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 

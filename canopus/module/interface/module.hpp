@@ -22,14 +22,14 @@ class BufferMemoryAccess {
  public:
   /// Words that FROM/TO and U\G may address: 0..buffer_memory_size()-1.
   [[nodiscard]] virtual BufferAddress buffer_memory_size() const noexcept = 0;
-  /// What FROM reads. `address` < buffer_memory_size().
-  [[nodiscard]] virtual std::uint16_t read_word(BufferAddress address, can::Time now) = 0;
-  /// The same for somebody who looks on: it is no access of the program [FX3U-CAN 6.9].
-  [[nodiscard]] virtual std::uint16_t look_at_word(BufferAddress address, can::Time now) {
-    return read_word(address, now);
+  /// What the word holds, without any effect: for displays, monitors and tools. `address` < buffer_memory_size().
+  [[nodiscard]] virtual std::uint16_t peek(BufferAddress address, can::Time now) const = 0;
+  /// FROM of the program. It may have effects: it is an access for the watchdog [FX3U-CAN 6.9], and there are words whose reading is
+  /// a request. For the rack and the built-in program alone.
+  [[nodiscard]] virtual std::uint16_t program_read(BufferAddress address, can::Time now) {
+    return peek(address, now);
   }
-  /// What TO writes. A write that the module refuses changes nothing but its error words; the PLC does not
-  /// hear of it.
+  /// What TO writes. A write that the module refuses changes nothing but its error words; the PLC is not notified.
   virtual void write_word(BufferAddress address, std::uint16_t value, can::Time now) = 0;
   /// A FROM or TO of the program, or an access that stands for one, is over: so many words from `first` on. Modules
   /// that watch the program retrigger their watchdog [FX3U-CAN 6.9, FX2N-32CAN 4.2.5]; what others look at for

@@ -90,7 +90,7 @@ class Layer2 final : public BufferArea {
   /// Some slot's error code is not 0.
   [[nodiscard]] bool any_slot_error() const noexcept;
 
-  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time) override {
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time) const override {
     return memory_->word(address);
   }
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;

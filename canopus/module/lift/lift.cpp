@@ -117,7 +117,7 @@ void LiftData::exchange() {
   }
 }
 
-std::uint16_t LiftData::read_word(BufferAddress address, can::Time) {
+std::uint16_t LiftData::read_word(BufferAddress address, can::Time) const {
   const bool older = address < layout_->older_first + layout_->received.words;
   if (address == layout_->older_first || address == layout_->transmitted.first) return lifts();
   const BufferAddress word = older ? address - layout_->older_first + layout_->received.first : address;

@@ -74,7 +74,7 @@ class LiftData final : public BufferArea, public canopen::ObjectHandler {
   void exchange();
 
   // BufferArea
-  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) const override;
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 
   // Objects that show nothing: virtual input mapping, and the filler of a PDO.

@@ -57,7 +57,7 @@ class AccessWatchdog final : public BufferArea {
   [[nodiscard]] bool expired() const noexcept { return expired_; }
   [[nodiscard]] can::Alarm& alarm() noexcept { return due_; }
 
-  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time) override {
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time) const override {
     return memory_->word(address);
   }
   /// Ends the error, and starts it anew if it ran or had expired.

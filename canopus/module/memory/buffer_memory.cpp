@@ -67,11 +67,18 @@ void BufferMemory::attach(BufferAddress first, BufferAddress last, BufferArea& a
   for (std::size_t address = first; address < end; ++address) area_of_[address] = number;
 }
 
-std::uint16_t BufferMemory::read(BufferAddress address, can::Time now) {
+std::uint16_t BufferMemory::peek(BufferAddress address, can::Time now) const {
   if (address >= from_.size() || from_row_[address] == 0) return 0;
-  if (const std::uint8_t area = area_of_[address]; area != 0)
-    return areas_[area - 1U]->read_word(address, now);
-  return from_[address];
+  const BufferArea* owner = area(address);
+  return owner != nullptr ? owner->read_word(address, now) : from_[address];
+}
+
+std::uint16_t BufferMemory::program_read(BufferAddress address, can::Time now) {
+  if (address >= from_.size() || from_row_[address] == 0) return 0;
+  BufferArea* owner = area(address);
+  if (owner == nullptr) return from_[address];
+  owner->program_reads(address, now);
+  return owner->read_word(address, now);
 }
 
 WriteResult BufferMemory::write(BufferAddress address, std::uint16_t value, can::Time now) {

@@ -101,7 +101,9 @@ enum class WriteResult : std::uint8_t {
 /// Words with a behaviour of their own. They are asked after the table's check.
 class BufferArea {
  public:
-  [[nodiscard]] virtual std::uint16_t read_word(BufferAddress address, can::Time now) = 0;
+  [[nodiscard]] virtual std::uint16_t read_word(BufferAddress address, can::Time now) const = 0;
+  /// FROM reads this word next: what the word does then.
+  virtual void program_reads(BufferAddress /*address*/, can::Time /*now*/) {}
   virtual WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) = 0;
 
  protected:
@@ -131,8 +133,10 @@ class BufferMemory {
     return number == 0 ? nullptr : areas_[number - 1U];
   }
 
+  /// What FROM reads, without its effects; 0 where the table has no word.
+  [[nodiscard]] std::uint16_t peek(BufferAddress address, can::Time now) const;
   /// FROM.
-  [[nodiscard]] std::uint16_t read(BufferAddress address, can::Time now);
+  [[nodiscard]] std::uint16_t program_read(BufferAddress address, can::Time now);
   /// TO.
   WriteResult write(BufferAddress address, std::uint16_t value, can::Time now);
   /// What write() would say for this row of any mode, areas not asked (settings given before power-on).

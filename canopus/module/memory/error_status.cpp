@@ -18,7 +18,7 @@ ErrorStatus::ErrorStatus(const std::optional<ErrorStatusLayout>& layout, BufferM
   }
 }
 
-std::uint16_t ErrorStatus::read_word(BufferAddress address, can::Time) {
+std::uint16_t ErrorStatus::read_word(BufferAddress address, can::Time) const {
   if (address == layout_->invalid_address) return static_cast<std::uint16_t>(invalid_address_);
   if (address == layout_->refused_address) return static_cast<std::uint16_t>(refused_address_);
   return word_;

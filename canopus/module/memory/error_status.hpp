@@ -119,7 +119,7 @@ class ErrorStatus final : public BufferArea {
     any_word_error_ = false;
   }
 
-  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) const override;
   /// A 0 in a latched bit clears it.
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 

@@ -23,10 +23,15 @@ ProcessDataWindows::Place ProcessDataWindows::place(BufferAddress address) const
           .behind = behind_[before + offset]};
 }
 
-std::uint16_t ProcessDataWindows::read_word(BufferAddress address, can::Time now) {
+std::uint16_t ProcessDataWindows::read_word(BufferAddress address, can::Time now) const {
   const Place at = place(address);
   if (at.open) return memory_->word(layout_.receive_first + at.word);
   return at.behind != nullptr ? at.behind->read_word(address, now) : memory_->word(address);
+}
+
+void ProcessDataWindows::program_reads(BufferAddress address, can::Time now) {
+  const Place at = place(address);
+  if (!at.open && at.behind != nullptr) at.behind->program_reads(address, now);
 }
 
 WriteResult ProcessDataWindows::write_word(BufferAddress address, std::uint16_t value, can::Time now) {

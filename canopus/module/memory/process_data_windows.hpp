@@ -27,7 +27,8 @@ class ProcessDataWindows final : public BufferArea {
   ProcessDataWindows(const ProcessDataWindows&) = delete;
   ProcessDataWindows& operator=(const ProcessDataWindows&) = delete;
 
-  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) const override;
+  void program_reads(BufferAddress address, can::Time now) override;
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 
  private:

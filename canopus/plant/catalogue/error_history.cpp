@@ -140,7 +140,7 @@ std::vector<ErrorLine> errors_now(const module::ErrorTables& tables, module::Com
   module::BufferMemoryAccess* const memory = module.buffer_memory();
   module::RegisterAccess* const registers = module.registers();
   const auto read = [&](std::uint32_t address) -> std::uint16_t {
-    if (memory != nullptr) return memory->look_at_word(address, now);
+    if (memory != nullptr) return memory->peek(address, now);
     return registers == nullptr ? std::uint16_t{0}
                                 : registers->read_register(module::RegisterKind::special, address, now);
   };

@@ -135,7 +135,7 @@ bool BuiltInProgram::buffer_written(module::BufferAddress address) const noexcep
 
 bool BuiltInProgram::is_initializing(can::Time now) {
   if (interface_.initializing == 0) return false;
-  const bool is_set = (words_->read_word(interface_.status, now) & interface_.initializing) != 0;
+  const bool is_set = (words_->program_read(interface_.status, now) & interface_.initializing) != 0;
   return is_set != interface_.initializing_is_0;
 }
 
@@ -146,7 +146,7 @@ bool BuiltInProgram::is_ready(can::Time now) {
 }
 
 bool BuiltInProgram::bits_are_set(const module::ProgramRequest& request, can::Time now) {
-  return (words_->read_word(request.word, now) & request.bits) != 0;
+  return (words_->program_read(request.word, now) & request.bits) != 0;
 }
 
 bool BuiltInProgram::may_exchange(can::Time now) {
@@ -215,7 +215,7 @@ void BuiltInProgram::set_up(can::Time now) {
   const bool words_execute = command.execute.kind == Kind::write;
   for (; next_word_ < task_.words.size(); ++next_word_) {
     const bool follows_command = next_word_ != 0 && task_.words[next_word_ - 1].address == command.first;
-    if (words_execute && follows_command && words_->read_word(command.first, now) == command_busy) return;
+    if (words_execute && follows_command && words_->program_read(command.first, now) == command_busy) return;
     words_->write_word(task_.words[next_word_].address, task_.words[next_word_].value, now);
   }
   is_setting_up_ = false;
@@ -247,10 +247,10 @@ void BuiltInProgram::start_own_node(can::Time now) {
       const bool by_signal = command.execute.kind == Kind::signal;
       const bool is_idle =
           !by_signal || (!is_on(signals_->outputs(), signal) && !is_on(signals_->inputs(), signal));
-      const bool is_free = is_idle && words_->read_word(command.first, now) != command_busy;
+      const bool is_free = is_idle && words_->program_read(command.first, now) != command_busy;
       if (!is_free || (node_start_due_ != can::never && node_start_due_ > now)) return;
       const std::array<std::uint16_t, 6> words{
-          command.sdo_write, 0, request_nmt, words_->read_word(interface_.node_address, now), 1,
+          command.sdo_write, 0, request_nmt, words_->program_read(interface_.node_address, now), 1,
           start_remote_node};
       // The code last: where there is no signal, it executes the command.
       for (std::uint32_t i = 1; i < words.size(); ++i) words_->write_word(command.first + i, words[i], now);
@@ -262,7 +262,7 @@ void BuiltInProgram::start_own_node(can::Time now) {
     }
     case NodeStart::requested: {
       const bool by_signal = command.execute.kind == Kind::signal;
-      const std::uint16_t result = words_->read_word(command.first, now);
+      const std::uint16_t result = words_->program_read(command.first, now);
       const bool is_done = by_signal ? is_on(signals_->inputs(), signal) : result != command_busy;
       if (!is_done && now < node_start_due_ && !is_initializing(now)) return;
       const bool succeeded = is_done && result == command.success;

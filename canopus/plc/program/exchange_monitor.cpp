@@ -85,7 +85,7 @@ void ExchangeMonitor::answered(can::Time now) {
 void ExchangeMonitor::look(can::Time now) {
   const module::ProgramRequest& exchange = interface_.exchange;
   if (!is_open_ || exchange.kind != Kind::bits || is_initializing(now)) return;
-  if ((words_->look_at_word(exchange.word, now) & exchange.bits) == 0) answered(now);
+  if ((words_->peek(exchange.word, now) & exchange.bits) == 0) answered(now);
 }
 
 void ExchangeMonitor::tick(can::Time now) {
@@ -119,7 +119,7 @@ std::string ExchangeMonitor::described(can::Time now) const {
 
 bool ExchangeMonitor::is_initializing(can::Time now) const {
   if (interface_.initializing == 0) return false;
-  const bool is_set = (words_->look_at_word(interface_.status, now) & interface_.initializing) != 0;
+  const bool is_set = (words_->peek(interface_.status, now) & interface_.initializing) != 0;
   return is_set != interface_.initializing_is_0;
 }
 

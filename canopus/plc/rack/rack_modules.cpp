@@ -66,7 +66,7 @@ Rack::Access Rack::read_buffer(std::uint16_t head_address, module::BufferAddress
   const auto count = static_cast<std::uint32_t>(words.size());
   if (Access access = check_buffer(head_address, first, count); !access) return access;
   const Slot& slot = *slot_of_point(head_address);
-  for (std::uint32_t i = 0; i < count; ++i) words[i] = slot.buffer->read_word(first + i, now);
+  for (std::uint32_t i = 0; i < count; ++i) words[i] = slot.buffer->program_read(first + i, now);
   slot.buffer->accessed(first, count, now);
   return {};
 }
@@ -87,8 +87,8 @@ Rack::Access Rack::read_double_words(std::uint16_t head_address, module::BufferA
   if (Access access = check_buffer(head_address, first, count); !access) return access;
   const Slot& slot = *slot_of_point(head_address);
   for (std::uint32_t i = 0; i < values.size(); ++i) {
-    const std::uint32_t low = slot.buffer->read_word(first + 2 * i, now);
-    values[i] = low | std::uint32_t{slot.buffer->read_word(first + 2 * i + 1, now)} << 16U;
+    const std::uint32_t low = slot.buffer->program_read(first + 2 * i, now);
+    values[i] = low | std::uint32_t{slot.buffer->program_read(first + 2 * i + 1, now)} << 16U;
   }
   slot.buffer->accessed(first, count, now);
   return {};

@@ -49,7 +49,7 @@ class WebModulesTest : public support::PlantFolder {
   can::Time now() { return plant_->timeline().now(); }
   plc::Rack& rack() { return plant_->rack(0); }
   std::uint16_t word(std::uint32_t address) {
-    return plant_->module(0).buffer_memory()->look_at_word(address, now());
+    return plant_->module(0).buffer_memory()->peek(address, now());
   }
   void write_word(std::uint32_t address, std::uint16_t value) {
     ASSERT_TRUE(rack().write_buffer(0, address, std::span(&value, 1), now()));

@@ -143,7 +143,7 @@ TEST_F(WebViewsTest, ValuesAreTheModulesOwn_AndMove) {
     for (const Json& row : event["rows"]) {
       const auto address = row["address"].get<module::BufferAddress>();
       EXPECT_EQ(row["value"],
-                plant_->module(0).buffer_memory()->look_at_word(address, plant_->timeline().now()));
+                plant_->module(0).buffer_memory()->peek(address, plant_->timeline().now()));
       if (row.value("from", "").starts_with("node 4")) values.push_back(row["value"]);
     }
   }

@@ -92,7 +92,7 @@ class RegisterPort final : public RequestPort, public BufferArea {
     memory.attach(request, request, *this);
   }
 
-  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time) override {
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time) const override {
     return memory_.word(address);
   }
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time) override {

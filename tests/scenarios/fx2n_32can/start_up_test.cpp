@@ -154,13 +154,13 @@ TEST(Fx2nErrors, DamagedSettings_AreTheFactorys_UntilGoodOnesAreFound) {
   module::fx2n_32can::Fx2n32Can module(bus, memory);
   module.power_on({});
   module.tick(can::Time{2s});
-  EXPECT_EQ(module.read_word(29, can::Time{2s}), 0x0011);
-  EXPECT_EQ(module.read_word(24, can::Time{2s}), 10);
+  EXPECT_EQ(module.program_read(29, can::Time{2s}), 0x0011);
+  EXPECT_EQ(module.program_read(24, can::Time{2s}), 10);
   module.write_word(24, 125, can::Time{2s});
   module.write_word(25, 1, can::Time{2s});
   module.tick(can::Time{20s});
-  EXPECT_EQ(module.read_word(29, can::Time{20s}), 0);
-  EXPECT_EQ(module.read_word(24, can::Time{20s}), 125);
+  EXPECT_EQ(module.program_read(29, can::Time{20s}), 0);
+  EXPECT_EQ(module.program_read(24, can::Time{20s}), 125);
 }
 
 // S-25

@@ -41,7 +41,7 @@ TEST(Fx2nWatchdog, AnyWord_KeepsItFromExpiring) {
   // Somebody who looks on is no program.
   for (int i = 0; i < 3; ++i) {
     s.advance(100ms);
-    (void)s.plug_in().look_at_word(30, s.now());
+    (void)s.plug_in().peek(30, s.now());
   }
   s.expect(29, 0x0080).ignore_tx();
 }

@@ -51,7 +51,7 @@ class BlockNetwork {
   }
   void run(can::Duration duration) { timeline.run_until(timeline.now() + duration); }
   std::uint16_t get(Member& member, module::BufferAddress address) {
-    const std::uint16_t value = member.module->read_word(address, timeline.now());
+    const std::uint16_t value = member.module->program_read(address, timeline.now());
     return value;
   }
   void set(Member& member, module::BufferAddress address, std::uint16_t value) {

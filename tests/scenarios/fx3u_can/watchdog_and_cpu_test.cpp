@@ -54,7 +54,7 @@ TEST(FxWatchdog, EveryAccessToADataWord_FromOrTo_StartsItAnew) {
   }
   BlockScenario looked_at;
   looked_at.power_on_operational();
-  EXPECT_EQ(looked_at.plug_in().look_at_word(10000, looked_at.now()), 0);
+  EXPECT_EQ(looked_at.plug_in().peek(10000, looked_at.now()), 0);
   looked_at.advance(10s).expect_bit(29, 7, false);
   BlockScenario s;
   s.power_on_operational().write(26, 0).write(0, 1).advance(1h).expect(29, 0).ignore_tx();

@@ -115,7 +115,7 @@ TEST(Me3Rack, S02_BufferMemory_OfTheHeadAddress) {
   plant.run(1s);
   plant.g(slot, 70, 0x8001);
   EXPECT_EQ(plant.g(slot, 70), 0x8001);
-  EXPECT_EQ(slot.module->read_word(70, plant.now()), 0x8001);
+  EXPECT_EQ(slot.module->program_read(70, plant.now()), 0x8001);
   EXPECT_EQ(plant.g(slot, 11), 0);
   // The device U3\G70, by MC protocol (0401/0080, 1401/0080), is the same word, and of no other module.
   const auto u3_g70 = [&](const Bytes& command, const Bytes& data) {

@@ -28,7 +28,7 @@ class Comparison {
   Comparison(std::uint32_t seed, bool is_extended) : random_(seed), extended_(is_extended) {
     RC_ASSERT(module_.preset_word(21, extended_ ? 29 : 11));
     module_.power_on(now_);
-    while (module_.read_word(25, now_) != 0) step(1ms);
+    while (module_.program_read(25, now_) != 0) step(1ms);
     for (module::BufferAddress number = 0; number < 42; ++number) configure(number);
     for (module::BufferAddress number = 0; number < 4; ++number) {
       if (below(2) == 0) continue;
@@ -208,7 +208,7 @@ class Comparison {
       if (model_.is_online && flagged && slot.kind == Kind::transmit) model_.send(slot);
     }
     for (module::BufferAddress word = 0; word < 3; ++word) {
-      RC_ASSERT(module_.read_word(8400 + word, now_) == (model_.is_online ? 0U : flags[word]));
+      RC_ASSERT(module_.program_read(8400 + word, now_) == (model_.is_online ? 0U : flags[word]));
     }
     y(4, false);
     for (module::BufferAddress word = 0; word < 3; ++word) write(8400 + word, 0);
@@ -244,14 +244,14 @@ class Comparison {
     bus_.sent.clear();
     model_.sent.clear();
     for (module::BufferAddress number = 0; number < 42; ++number) compare(number);
-    RC_ASSERT(module_.read_word(29, now_) == 0U);
+    RC_ASSERT(module_.program_read(29, now_) == 0U);
   }
   void compare(module::BufferAddress number) {
     const Slot& slot = model_.slots[number];
     const auto word = [&](module::BufferAddress offset) {
-      return module_.read_word(10000 + 7 * number + offset, now_);
+      return module_.program_read(10000 + 7 * number + offset, now_);
     };
-    const bool rtr_flag = (module_.read_word(8350 + number / 16, now_) >> (number % 16) & 1U) != 0;
+    const bool rtr_flag = (module_.program_read(8350 + number / 16, now_) >> (number % 16) & 1U) != 0;
     RC_ASSERT(rtr_flag == slot.flagged);
     if (slot.kind == Kind::receive) {
       const unsigned flags =
@@ -269,9 +269,9 @@ class Comparison {
       RC_ASSERT(word(2) == form_of(slot));
       for (module::BufferAddress i = 0; i < 4; ++i) RC_ASSERT(word(3 + i) == two(slot.written.data, i));
       constexpr std::array<std::uint32_t, 3> parameter_b{0x7FFF, 0x6FFF, 0x5FFF};
-      RC_ASSERT(module_.read_word(6001 + 4 * number, now_) ==
+      RC_ASSERT(module_.program_read(6001 + 4 * number, now_) ==
                 parameter_b[static_cast<std::size_t>(slot.rtr)]);
-      RC_ASSERT(module_.read_word(6003 + 4 * number, now_) == slot.cycle);
+      RC_ASSERT(module_.program_read(6003 + 4 * number, now_) == slot.cycle);
     } else {
       RC_ASSERT(word(0) == 0xFFFFU);
       RC_ASSERT(word(2) == 0U);

@@ -330,7 +330,7 @@ class Me3LssOnBus : public ::testing::Test {
   }
   void power_on() { module.power_on(timeline.now()); }
   void run_for(can::Duration duration) { timeline.run_until(timeline.now() + duration); }
-  std::uint16_t word(module::BufferAddress address) { return module.read_word(address, timeline.now()); }
+  std::uint16_t word(module::BufferAddress address) { return module.program_read(address, timeline.now()); }
   void y(unsigned number, bool on) { module.set_output(number, on, timeline.now()); }
 
   RamMemory memory;

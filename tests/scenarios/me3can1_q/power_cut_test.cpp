@@ -53,7 +53,7 @@ class Machine {
     wait([&] { return (g(25) & 0x80) == 0; });
   }
 
-  std::uint16_t g(module::BufferAddress address) { return module_.read_word(address, now_); }
+  std::uint16_t g(module::BufferAddress address) { return module_.program_read(address, now_); }
   void g(module::BufferAddress address, std::uint16_t value) { module_.write_word(address, value, now_); }
   void request(unsigned signal) {
     module_.set_output(signal, true, now_);

@@ -30,7 +30,7 @@ struct RackBench {
     rack.power_on(timeline.now());
     timeline.run_until(timeline.now() + 2s);
   }
-  std::uint16_t g(module::BufferAddress address) { return module.read_word(address, timeline.now()); }
+  std::uint16_t g(module::BufferAddress address) { return module.program_read(address, timeline.now()); }
   void g(module::BufferAddress address, std::uint16_t value) {
     EXPECT_TRUE(rack.write_buffer(0, address, {&value, 1}, timeline.now()));
   }

@@ -83,7 +83,7 @@ TEST_P(RandomAccess, NeverBreaksTheModule) {
         }
         module.cpu_changed(below(2) == 0 ? module::CpuState::run : module::CpuState::stop, now);
         break;
-      default: static_cast<void>(module.read_word(below(65536), now)); break;
+      default: static_cast<void>(module.program_read(below(65536), now)); break;
     }
     bus.sent.clear();
     for (const auto frames = std::exchange(bus.completing, {}); const can::Frame& frame : frames) {
@@ -97,9 +97,9 @@ TEST_P(RandomAccess, NeverBreaksTheModule) {
   bus.accepts = true;
   module.power_on(now);
   run_to(now + 1s);
-  EXPECT_EQ(module.read_word(25, now) & 0xFF7F, 0x0100);
-  EXPECT_EQ(module.read_word(21, now), 405);
-  EXPECT_EQ(module.read_word(29, now), 0);
+  EXPECT_EQ(module.program_read(25, now) & 0xFF7F, 0x0100);
+  EXPECT_EQ(module.program_read(21, now), 405);
+  EXPECT_EQ(module.program_read(29, now), 0);
 }
 
 // The same in the Layer 2 modes, with settings that are mostly good.
@@ -203,9 +203,9 @@ TEST_P(RandomLayer2, NeverBreaksTheModule) {
   bus.transmit_errors = 0;
   module.power_on(now);
   run_to(now + 1s);
-  EXPECT_EQ(module.read_word(25, now), 0);
-  EXPECT_EQ(module.read_word(21, now), extended ? 29 : 11);
-  EXPECT_EQ(module.read_word(29, now), 0);
+  EXPECT_EQ(module.program_read(25, now), 0);
+  EXPECT_EQ(module.program_read(21, now), extended ? 29 : 11);
+  EXPECT_EQ(module.program_read(29, now), 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomLayer2, testing::Range(1U, 11U));

@@ -71,7 +71,7 @@ class TwoStations : can::Listener {
   void write(module::BufferAddress first, const Words& words) {
     for (const std::uint16_t word : words) module->write_word(first++, word, timeline.now());
   }
-  std::uint16_t read(module::BufferAddress address) { return module->read_word(address, timeline.now()); }
+  std::uint16_t read(module::BufferAddress address) { return module->program_read(address, timeline.now()); }
 
   can::Timeline timeline;
   sim::Bus bus;

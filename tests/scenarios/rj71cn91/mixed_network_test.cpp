@@ -73,7 +73,7 @@ class Network {
   }
   void run(can::Duration duration) { timeline.run_until(timeline.now() + duration); }
   std::uint16_t g(Member& member, module::BufferAddress address) {
-    return member.module->read_word(address, timeline.now());
+    return member.module->program_read(address, timeline.now());
   }
   void g(Member& member, module::BufferAddress address, std::uint16_t value) {
     member.module->write_word(address, value, timeline.now());

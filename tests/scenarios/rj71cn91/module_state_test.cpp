@@ -175,7 +175,7 @@ TEST(Rj71Module, ErrorCounters_UpBy8_DownBy1) {
   partner.connect(deaf);
   module->power_on(timeline.now());
   const auto run = [&](can::Duration duration) { timeline.run_until(timeline.now() + duration); };
-  const auto g = [&](module::BufferAddress address) { return module->read_word(address, timeline.now()); };
+  const auto g = [&](module::BufferAddress address) { return module->program_read(address, timeline.now()); };
   const auto disturb = [&](const char* sender, unsigned count) {
     sim::Fault fault{.kind = sim::FaultKind::corrupt, .bit = 20};
     fault.sender = sender;
