@@ -2,6 +2,7 @@
 // path.
 
 #include <cstdlib>
+#include <limits>
 #include <new>
 
 #include <gtest/gtest.h>
@@ -15,12 +16,16 @@
 namespace {
 std::size_t allocated_bytes = 0;
 std::size_t allocations = 0;
+constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
+std::size_t allocations_left = unlimited;  // then there is no memory
 }  // namespace
 
 // GCC takes malloc() here and free() below for a mismatch, because it inlines only one of the two.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wmismatched-new-delete"
 void* operator new(std::size_t size) {
+  if (allocations_left == 0) throw std::bad_alloc();
+  if (allocations_left != unlimited) --allocations_left;
   allocated_bytes += size;
   ++allocations;
   if (void* memory = std::malloc(size)) return memory;
@@ -166,6 +171,53 @@ TEST(Memory, NothingIsAllocatedOnAFramesPath) {
   for (int i = 0; i < 100; ++i) round();
   EXPECT_EQ(allocations, before);
   EXPECT_EQ(bus.frames - frames_before, 600) << "TPDO, heartbeat, and two SDO requests and answers each time";
+}
+
+// Each allocation of a rebuild fails once.
+TEST(Memory, ThatADescriptionNeedsAndThereIsNot_LeavesTheNodeAsItWas) {
+  struct Refusal final : ObjectHandler {
+    AbortCode before_write(ObjectDictionary&, const Entry&, std::span<const std::uint8_t>, can::Time) override {
+      return AbortCode::hardware_error;
+    }
+  } refusal;
+  Counter bus;
+  const auto first = standard_objects().build();
+  Node node(first, 5, bus);
+  for (const int object : {0x2003, 0x2005, 0x2104}) {
+    const auto index = static_cast<std::uint16_t>(object);
+    node.attach(index, index, refusal);
+  }
+  const auto second = usual_slave().build();
+  const auto is_described = [&] {
+    try {
+      node.describe(second, {});
+      return true;
+    } catch (const std::bad_alloc&) {
+      return false;
+    }
+  };
+  std::size_t failures = 0;
+  for (;; ++failures) {
+    node.power_on({});
+    node.receive(can::data_frame(0x605, {0x2B, 0x05, 0x20, 0x00, 0x07, 0x00}), {});
+    EXPECT_EQ(to_text(bus.last), "585 80 05 20 00 00 00 06 06") << failures;
+    node.receive(can::data_frame(0x605, {0x2B, 0x17, 0x10, 0x00, 0x0A, 0x00}), {});
+    EXPECT_EQ(to_text(bus.last), "585 60 17 10 00 00 00 00 00") << failures;
+    EXPECT_EQ(node.deadline(), can::Time(10ms));
+    node.power_off();
+    EXPECT_EQ(node.deadline(), can::never);
+    allocations_left = failures;
+    const bool is_done = is_described();
+    allocations_left = unlimited;
+    if (is_done) break;
+    ASSERT_EQ(&node.dictionary().description(), first.get()) << failures;
+  }
+  EXPECT_GT(failures, 10U);
+  EXPECT_EQ(&node.dictionary().description(), second.get());
+  node.power_on({});
+  EXPECT_EQ(to_text(bus.last), "705 00");
+  node.receive(can::data_frame(0x605, {0x23, 0x04, 0x21, 0x00, 0x07, 0x00, 0x00, 0x00}), {});
+  EXPECT_EQ(to_text(bus.last), "585 80 04 21 00 00 00 06 06");
 }
 
 }  // namespace

@@ -82,6 +82,17 @@ TEST(FxClock, AProducer_SendsTheTime_WhenTheIntervalIsWritten) {
       0x100, {0x40, 0xC3, 0x38, 0, 0x30, 0x28});
 }
 
+TEST(FxClock, TheProgramReadsTheTime_AndWhoOnlyPeeks_ChangesNothingOfWhatItReads) {
+  RecordProperty("spec", "FX3U-TIME-005");
+  BlockScenario s;
+  s.power_on_operational().write(50, 2).write(51, {12, 3, 1, 0, 0, 0}).advance(5s);
+  const auto seconds = [&] { return s.plug_in().peek(56, s.now()); };
+  EXPECT_EQ(s.plug_in().peek(51, s.now()), 12);
+  EXPECT_EQ(seconds(), 0) << "as it was written";
+  EXPECT_EQ(s.read(51), 12);
+  EXPECT_EQ(seconds(), 5) << "as the program has read it";
+}
+
 TEST(FxClock, OnlyTheActiveMasterSendsIt_AndNotWhenStopped) {
   RecordProperty("spec", "FX3U-TIME-006");
   BlockScenario s;
