@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/terminal/boot_report.hpp"
 #include "canopus/client/sdo_transfer_on_bus.hpp"
+#include "canopus/plant/events/boot_report.hpp"
 #include "canopus/text/json.hpp"
 
 #include "plant_parts.hpp"
@@ -124,7 +124,7 @@ std::string MasterRun::results() const {
                     {"name", slave.name},
                     {"result", name(result)},
                     {"state", state_name(network_->master().node_state(slave.node))}};
-    if (result == NetworkMaster::Result::failed) cli::add_boot(line, record, now());
+    if (result == NetworkMaster::Result::failed) plant::add_boot(line, record, now());
     lines += line_of(line);
   }
   return lines;

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
-#include "canopus/cli/analysis/analysis_names.hpp"
-#include "canopus/cli/analysis/picture_signal.hpp"
-#include "canopus/cli/analysis/trace_walk.hpp"
+#include "canopus/trace/print/picture_signal.hpp"
+#include "canopus/trace/print/trace_walk.hpp"
 
+#include "node_names.hpp"
 #include "plant_run.hpp"
 
 namespace py = pybind11;
@@ -20,7 +20,7 @@ trace::PictureOptions options_of(const std::vector<std::string>& signals, const 
                                  std::uint32_t bit_rate) {
   trace::PictureOptions options{.bit_rate = bit_rate};
   for (const std::string& text : signals) {
-    const auto signal = cli::parse_picture_signal(text, names);
+    const auto signal = trace::parse_picture_signal(text, names);
     if (!signal) {
       throw PlantProblem(fmt::format(
           "signal {}: expected a node's name or node-ID, a dot and an object, as 3.6000:01", text));
@@ -37,26 +37,19 @@ std::vector<std::string> texts_of(const std::vector<trace::PictureSignal>& signa
   return texts;
 }
 
-[[noreturn]] void refuse_trace(const cli::TextOutput& errors) {
-  std::string text = errors.text();
-  while (text.ends_with('\n')) text.pop_back();
-  throw PlantProblem(text);
-}
-
 py::tuple draw_trace(const std::string& path, const std::string& plant, const std::string& network,
                      const std::vector<std::string>& nodes, const std::vector<std::string>& signals,
                      std::uint32_t bit_rate, const std::string& title) {
-  cli::TextOutput errors;
-  auto names = cli::load_names({.plant = plant, .network = network, .nodes = nodes}, errors);
-  if (!names) refuse_trace(errors);
-  trace::TracePicture picture(options_of(signals, *names, bit_rate));
-  trace::Decoder decoder(std::move(*names), {.frames = true, .transfers = false});
+  text::TextOutput errors;
+  auto names = node_names(plant, network, nodes);
+  trace::TracePicture picture(options_of(signals, names, bit_rate));
+  trace::Decoder decoder(std::move(names), {.frames = true, .transfers = false});
   const int code =
-      cli::walk_trace(path, errors, [&](const trace::TraceRecord& record, std::string_view channel) {
+      trace::walk_trace(path, errors, [&](const trace::TraceRecord& record, std::string_view channel) {
         decoder.receive(record, channel, [&](const trace::Message& message) { picture.message(message); });
         return true;
       });
-  if (code != 0) refuse_trace(errors);
+  if (code != 0) refuse(errors);
   return py::make_tuple(picture.svg(title), texts_of(picture.missing()));
 }
 

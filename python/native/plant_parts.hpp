@@ -14,16 +14,16 @@
 #include <boost/asio/io_context.hpp>
 #include <fmt/format.h>
 
-#include "canopus/cli/analysis/message_printer.hpp"
-#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/client/sdo_transfer_on_bus.hpp"
 #include "canopus/plant/device_on_bus.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/file/process_value.hpp"
 #include "canopus/serve/linked_buses.hpp"
 #include "canopus/serve/plant_runs.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/nearest_word.hpp"
 #include "canopus/trace/decode/decoder.hpp"
+#include "canopus/trace/print/message_printer.hpp"
 
 #include "pictures.hpp"
 #include "plant_run.hpp"
@@ -176,18 +176,18 @@ class Recorder final : public can::BusObserver {
 /// A bus whose frames are decoded as they come.
 class Analyser final : public can::BusObserver {
  public:
-  Analyser(trace::Decoder& decoder, std::uint16_t channel, std::string bus, cli::Output& out)
+  Analyser(trace::Decoder& decoder, std::uint16_t channel, std::string bus, text::Output& out)
       : decoder_(decoder), channel_(channel), bus_(std::move(bus)), out_(out) {}
   void frame_completed(const can::Frame& frame, can::Time, can::Time end) override {
     decoder_.receive({.time = end, .channel = channel_, .frame = frame}, bus_,
-                     [&](const trace::Message& message) { out_.json(cli::to_json(message, bus_)); });
+                     [&](const trace::Message& message) { out_.json(trace::to_json(message, bus_)); });
   }
 
  private:
   trace::Decoder& decoder_;
   std::uint16_t channel_;
   std::string bus_;
-  cli::Output& out_;
+  text::Output& out_;
 };
 
 /// Somebody on a bus of the plant who has to go before it does.
@@ -205,12 +205,12 @@ std::string joined(std::vector<text::FileError> errors, const std::string& path)
 struct PlantRun::Parts {
   Parts(const std::string& path) : printer(lines), linked(io, path, true) {}
 
-  cli::TextOutput lines;
-  cli::JsonPrinter printer;
+  text::TextOutput lines;
+  plant::JsonPrinter printer;
   boost::asio::io_context io{1};
   serve::LinkedBuses linked;
   trace::Names names;
-  cli::TextOutput messages;
+  text::TextOutput messages;
   std::unique_ptr<trace::Decoder> decoder;
   std::vector<std::unique_ptr<Analyser>> analysers;
   std::map<std::string, Recorder> recorders;

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/plant/initial_nodes.hpp"
+#include "canopus/plant/plant_loading.hpp"
 #include "canopus/serve/run_control.hpp"
 #include "canopus/text/file_text.hpp"
 
@@ -16,8 +16,8 @@
 namespace canopus::python {
 
 std::string joined(std::vector<text::FileError> errors, const std::string& path) {
-  cli::TextOutput lines;
-  cli::print_errors(std::move(errors), path, lines);
+  text::TextOutput lines;
+  text::print_errors(std::move(errors), path, lines);
   std::string text = lines.text();
   while (text.ends_with('\n')) text.pop_back();
   return text;
@@ -25,7 +25,7 @@ std::string joined(std::vector<text::FileError> errors, const std::string& path)
 
 namespace {
 
-std::string take(cli::TextOutput& lines) {
+std::string take(text::TextOutput& lines) {
   std::string text = lines.text();
   lines.clear();
   return text;

@@ -1,6 +1,6 @@
 // Values of many bytes in words: concise DCFs of 1F22H, other DOMAINs.
 
-#include "canopus/cli/terminal/domain_words.hpp"
+#include "canopus/client/domain_words.hpp"
 
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>
@@ -29,7 +29,8 @@ TEST(DomainWords, ConciseDcf_ObjectNameValue_AsTheDeviceHasThem) {
   writer.add(0x1017, 0, 500, 2).add(0x1800, 1, 0x40000183, 4).add(0x6000, 0, 1, 2).add(0x2FFF, 7, 0xAB, 1);
   const auto file = device_file_of_names(encoder_file());
   ASSERT_TRUE(file) << file.error();
-  const DomainWords words = domain_words(concise_dcf_object, writer.file(), (*file)->dictionary.get());
+  const client::DomainWords words =
+      client::domain_words(client::concise_dcf_object, writer.file(), (*file)->dictionary.get());
   EXPECT_EQ(words.heading, "concise DCF, 41 bytes, 4 entries");
   EXPECT_EQ(words.problem, "");
   EXPECT_THAT(words.dump, IsEmpty());
@@ -41,7 +42,7 @@ TEST(DomainWords, ConciseDcf_ObjectNameValue_AsTheDeviceHasThem) {
   EXPECT_EQ(words.entries[2].name, "Operating parameters") << "the device's own, of CiA 406";
   EXPECT_EQ(words.entries[3].name, "");
   EXPECT_EQ(words.entries[3].value, "ABH");
-  const auto lines = lines_of(words);
+  const auto lines = client::lines_of(words);
   ASSERT_THAT(lines, SizeIs(5));
   EXPECT_THAT(lines[1], StartsWith("  1017:00  "));
   EXPECT_THAT(lines[1], EndsWith("  500 ms"));
@@ -50,7 +51,7 @@ TEST(DomainWords, ConciseDcf_ObjectNameValue_AsTheDeviceHasThem) {
 TEST(DomainWords, ConciseDcf_WithoutADeviceFile_HasTheNamesOfTheStandard) {
   manager::ConciseDcfWriter writer;
   writer.add(0x1017, 0, 500, 2).add(0x6000, 0, 1, 2);
-  const DomainWords words = domain_words(concise_dcf_object, writer.file(), nullptr);
+  const client::DomainWords words = client::domain_words(client::concise_dcf_object, writer.file(), nullptr);
   EXPECT_THAT(words.entries.at(0).name, HasSubstr("eartbeat"));
   EXPECT_EQ(words.entries.at(1).name, "");
 }
@@ -60,7 +61,7 @@ TEST(DomainWords, ConciseDcf_ThatDoesNotFit_IsSaid_AndItsBytesFromThereOn) {
   Bytes file = writer.add(0x1017, 0, 500, 2).file();
   file[0] = 2;
   file.insert(file.end(), {0x00, 0x60, 1, 0x70, 0x11, 0x01, 0x00, 'a', 'b', 0});
-  const DomainWords words = domain_words(concise_dcf_object, file, nullptr);
+  const client::DomainWords words = client::domain_words(client::concise_dcf_object, file, nullptr);
   EXPECT_THAT(words.entries, SizeIs(1));
   EXPECT_EQ(words.problem, "entry 2 says 70000 bytes, 3 are left");
   EXPECT_THAT(words.dump,
@@ -68,45 +69,46 @@ TEST(DomainWords, ConciseDcf_ThatDoesNotFit_IsSaid_AndItsBytesFromThereOn) {
   file.resize(13);
   file[0] = 1;
   file.push_back(0x55);
-  EXPECT_EQ(domain_words(concise_dcf_object, file, nullptr).problem, "1 byte behind the last entry");
+  EXPECT_EQ(client::domain_words(client::concise_dcf_object, file, nullptr).problem,
+            "1 byte behind the last entry");
 }
 
 TEST(DomainWords, ConciseDcf_OfTooManyEntries_IsCut) {
   manager::ConciseDcfWriter writer;
-  for (std::size_t i = 0; i < DomainWords::most_entries + 1; ++i) writer.add(0x2000, 0, Bytes{});
-  const DomainWords words = domain_words(concise_dcf_object, writer.file(), nullptr);
-  EXPECT_THAT(words.entries, SizeIs(DomainWords::most_entries));
+  for (std::size_t i = 0; i < client::DomainWords::most_entries + 1; ++i) writer.add(0x2000, 0, Bytes{});
+  const client::DomainWords words = client::domain_words(client::concise_dcf_object, writer.file(), nullptr);
+  EXPECT_THAT(words.entries, SizeIs(client::DomainWords::most_entries));
   EXPECT_EQ(words.entries[0].value, "no bytes");
   EXPECT_EQ(words.problem, "only the first 8192 entries are shown");
 }
 
 TEST(DomainWords, OtherDomains_AreSizeAndBytesWithText) {
   const std::string text = "firmware 1.2\n\x01 end";
-  const DomainWords words = domain_words(0x2001, Bytes(text.begin(), text.end()), nullptr);
+  const client::DomainWords words = client::domain_words(0x2001, Bytes(text.begin(), text.end()), nullptr);
   EXPECT_EQ(words.heading, "18 bytes");
   EXPECT_THAT(words.dump,
               ElementsAre("00000000  66 69 72 6D 77 61 72 65 20 31 2E 32 0A 01 20 65  |firmware 1.2.. e|",
                           "00000010  6E 64                                            |nd|"));
-  const DomainWords large = domain_words(0x2001, Bytes(70'000, 7), nullptr);
+  const client::DomainWords large = client::domain_words(0x2001, Bytes(70'000, 7), nullptr);
   EXPECT_EQ(large.heading, "70000 bytes, the first 4096 of them");
   EXPECT_THAT(large.dump, SizeIs(256));
-  EXPECT_EQ(domain_words(0x2001, Bytes{}, nullptr).heading, "0 bytes");
-  EXPECT_EQ(domain_words(0x2001, Bytes{1}, nullptr).heading, "1 byte");
+  EXPECT_EQ(client::domain_words(0x2001, Bytes{}, nullptr).heading, "0 bytes");
+  EXPECT_EQ(client::domain_words(0x2001, Bytes{1}, nullptr).heading, "1 byte");
 }
 
 TEST(DomainWords, TextsOfAConciseDcf_ControlNoTerminal) {
   const std::string text = "\x1b[31mred\n";
   manager::ConciseDcfWriter writer;
   writer.add(0x1008, 0, Bytes(text.begin(), text.end())).add(0x1021, 0, Bytes(100, 9));
-  const DomainWords words = domain_words(concise_dcf_object, writer.file(), nullptr);
-  for (const std::string& line : lines_of(words))
+  const client::DomainWords words = client::domain_words(client::concise_dcf_object, writer.file(), nullptr);
+  for (const std::string& line : client::lines_of(words))
     EXPECT_TRUE(std::ranges::all_of(line, [](char c) { return c >= 0x20 && c < 0x7F; })) << line;
   EXPECT_THAT(words.entries.at(1).value, EndsWith(" ... (100 bytes)"));
 }
 
 RC_GTEST_PROP(DomainWords, AnyBytes_AreShownWithoutControlCharacters, (const Bytes& bytes)) {
-  for (const std::uint16_t index : {concise_dcf_object, std::uint16_t{0x2001}}) {
-    for (const std::string& line : lines_of(domain_words(index, bytes, nullptr)))
+  for (const std::uint16_t index : {client::concise_dcf_object, std::uint16_t{0x2001}}) {
+    for (const std::string& line : client::lines_of(client::domain_words(index, bytes, nullptr)))
       RC_ASSERT(std::ranges::all_of(line, [](char c) { return c >= 0x20 && c < 0x7F; }));
   }
 }

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "canopus/canopen/service/node_listener.hpp"
-#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/run/live_table.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plc/rack/rack.hpp"
 #include "canopus/text/file_error.hpp"
@@ -121,7 +121,7 @@ TEST_F(Layer2Plant, TableAndSummary_TellItsState_AndCountItsFrames) {
   run(2050ms);
   EXPECT_THAT(shown(table, plant->timeline().now(), {.rows = 40, .columns = 80}),
               HasSubstr("   -  ME3CAN1-Q U2  layer 2 online "));
-  RunSummary summary{.end = plant->timeline().now(), .wall = 1s, .nodes = plant->nodes()};
+  plant::RunSummary summary{.end = plant->timeline().now(), .wall = 1s, .nodes = plant->nodes()};
   EXPECT_THAT(describe(summary), ElementsAre(_, "line1 (ME3CAN1-Q U2): layer 2 online, 10 frames sent",
                                              "all 1 nodes operational"));
   const std::uint8_t off = 0;

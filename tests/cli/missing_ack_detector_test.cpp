@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/events/event_printer.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
 
@@ -65,15 +65,15 @@ TEST_F(UnacknowledgedTest, ListenersDoNotAcknowledge) {
 }
 
 TEST(UnacknowledgedEvent, IsALineAndJson) {
-  TextOutput text, errors;
+  text::TextOutput text, errors;
   const plant::NodeLabel node{"line1", "encoder", 3};
-  LinePrinter(text, errors, false).unacknowledged(node, can::Time(1500us));
+  plant::LinePrinter(text, errors, false).unacknowledged(node, can::Time(1500us));
   EXPECT_EQ(text.text(),
             "    0.001500  line1 node 3 (encoder): nobody acknowledges: no other node on this bus\n");
   text.clear();
-  LinePrinter(text, errors, true).unacknowledged(node, can::Time(1500us));
+  plant::LinePrinter(text, errors, true).unacknowledged(node, can::Time(1500us));
   EXPECT_EQ(text.text() + errors.text(), "");
-  JsonPrinter(text).unacknowledged(node, can::Time(1500us));
+  plant::JsonPrinter(text).unacknowledged(node, can::Time(1500us));
   EXPECT_EQ(
       text.text(),
       "{\"t\":0.0015,\"event\":\"unacknowledged\",\"bus\":\"line1\",\"node\":3,\"name\":\"encoder\"}\n");

@@ -9,8 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/run/live_table.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/plc/rack/rack.hpp"
@@ -248,7 +248,7 @@ TEST_F(ProcessDataTest, WithoutRecover_AfterStopAndRunTheWayBackIsSaid) {
   LiveTable table(plant);
   EXPECT_THAT(shown(table, now(), {40, 200}),
               HasSubstr("\n      no process data are exchanged: pre-operational "));
-  const auto lines = describe(RunSummary{.end = now(), .troubles = plant_->troubles()});
+  const auto lines = describe(plant::RunSummary{.end = now(), .troubles = plant_->troubles()});
   EXPECT_THAT(lines, Contains(HasSubstr(way_back)));
   ASSERT_EQ(plant_->troubles().size(), 1U);
   EXPECT_EQ(plant_->troubles()[0].text, way_back);

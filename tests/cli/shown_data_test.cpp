@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/terminal/domain_words.hpp"
+#include "canopus/client/domain_words.hpp"
 
 namespace canopus::cli::shown_data_test {
 namespace {
@@ -22,11 +22,11 @@ using Bytes = std::vector<std::uint8_t>;
 
 TEST(ShownData, BytesThatAreNoText_AreDots) {
   const std::array<std::uint8_t, 8> ends{0x1F, 0x20, 'a', '~', 0x7E, 0x7F, 'Z', '.'};
-  EXPECT_EQ(ascii_of(ends), ". a~~.Z.");
+  EXPECT_EQ(client::ascii_of(ends), ". a~~.Z.");
   for (const std::uint8_t byte : Bytes{0x00, 0x0A, 0x1B, 0x7F, 0x80, 0x9B, 0xC3, 0xFF}) {
-    EXPECT_EQ(ascii_of(Bytes{byte}), ".") << int{byte};
+    EXPECT_EQ(client::ascii_of(Bytes{byte}), ".") << int{byte};
   }
-  EXPECT_EQ(ascii_of(Bytes{}), "");
+  EXPECT_EQ(client::ascii_of(Bytes{}), "");
 }
 
 TEST(ShownData, ShortData_AreNumbersToo) {

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/run/live_table.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 
 #include "cli/table_picture.hpp"
@@ -122,9 +122,9 @@ TEST_F(SlaveBootTest, ManyMissingSlaves_LeaveRoomForTheRest) {
 
 TEST_F(SlaveBootTest, Json_HasTheFieldsThatPrograms_LookAt) {
   run(R"("1F86:03" = 0x1234)", 2s);
-  RunSummary summary{.end = can::Time{2s}, .virtual_time = true, .boots = plant->boots()};
+  plant::RunSummary summary{.end = can::Time{2s}, .virtual_time = true, .boots = plant->boots()};
   TextOutput out;
-  JsonPrinter(out).summary(summary);
+  plant::JsonPrinter(out).summary(summary);
   const auto line = nlohmann::json::parse(out.text());
   const auto& slave = line["slaves"][0];
   EXPECT_EQ(slave["node"], 3);

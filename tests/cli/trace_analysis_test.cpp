@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/analysis/analysis_names.hpp"
-#include "canopus/cli/analysis/message_filter.hpp"
-#include "canopus/cli/analysis/message_printer.hpp"
+#include "canopus/cli/analysis/names_options.hpp"
+#include "canopus/trace/filter/message_filter.hpp"
+#include "canopus/trace/print/message_printer.hpp"
 
 #include "paths.hpp"
 
@@ -34,9 +34,9 @@ Message pdo() {
   return message;
 }
 
-std::string printed(const Message& message, PrinterOptions options) {
+std::string printed(const Message& message, trace::PrinterOptions options) {
   TextOutput out;
-  MessagePrinter printer(options, out);
+  trace::MessagePrinter printer(options, out);
   printer.set_zero(can::Time(1s));
   printer.print(message, "line1");
   return out.text();
@@ -44,7 +44,7 @@ std::string printed(const Message& message, PrinterOptions options) {
 
 TEST(MessagePrinter, Line_HasTimeChannelIdentifierServiceAndNode) {
   EXPECT_EQ(printed(pdo(), {}), "   0.500250  line1  183  TPDO1          3 (encoder)   Position = 1234\n");
-  EXPECT_EQ(printed(pdo(), {.time = TimeColumn::absolute}),
+  EXPECT_EQ(printed(pdo(), {.time = trace::TimeColumn::absolute}),
             "1.500250  line1  183  TPDO1          3 (encoder)   Position = 1234\n");
 }
 
@@ -55,7 +55,7 @@ TEST(MessagePrinter, Frames_HaveTheirBytes) {
 
 TEST(MessagePrinter, Delta_CountsFromTheLineBefore) {
   TextOutput out;
-  MessagePrinter printer({.time = TimeColumn::delta}, out);
+  trace::MessagePrinter printer({.time = trace::TimeColumn::delta}, out);
   Message message = pdo();
   printer.print(message, "");
   out.clear();
@@ -90,7 +90,7 @@ TEST(MessagePrinter, Json_HasAbortAndEndOfATransfer) {
   message.end = trace::TransferEnd::aborted;
   message.frames = 2;
   message.duration = 500us;
-  const auto json = to_json(message, "");
+  const auto json = trace::to_json(message, "");
   EXPECT_EQ(json["index"], "6000");
   EXPECT_EQ(json["sub"], 9);
   EXPECT_EQ(json["abort"], "06090011");
@@ -99,9 +99,9 @@ TEST(MessagePrinter, Json_HasAbortAndEndOfATransfer) {
   EXPECT_EQ(json["duration_ms"], 0.5);
 }
 
-bool wants(const FilterOptions& options, const Message& message = pdo(), can::Duration since = 1s) {
+bool wants(const trace::FilterOptions& options, const Message& message = pdo(), can::Duration since = 1s) {
   TextOutput err;
-  const auto filter = MessageFilter::make(options, err);
+  const auto filter = trace::MessageFilter::make(options, err);
   EXPECT_TRUE(filter.has_value()) << err.text();
   return filter && filter->wants(message, since);
 }
@@ -127,9 +127,9 @@ TEST(MessageFilter, Times_CountFromTheFirstFrame) {
 }
 
 TEST(MessageFilter, Mistakes_SayWhatWasExpected) {
-  const auto mistake = [](const FilterOptions& options) {
+  const auto mistake = [](const trace::FilterOptions& options) {
     TextOutput err;
-    EXPECT_FALSE(MessageFilter::make(options, err).has_value());
+    EXPECT_FALSE(trace::MessageFilter::make(options, err).has_value());
     return err.text();
   };
   EXPECT_EQ(mistake({.nodes = {"128"}}),

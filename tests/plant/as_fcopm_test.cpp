@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include "canopus/can/bus.hpp"
 #include "canopus/can/timeline.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
+#include "canopus/plc/rack/rack.hpp"
 
 #include "paths.hpp"
 #include "support/plant_folder.hpp"
@@ -248,7 +250,7 @@ TEST(AsFcopmEds, DescribesTheSlave) {
 // Five racks, three buses.
 TEST_F(AsFcopmPlant, AllFiveModulesInOnePlant) {
   RecordProperty("spec", "ASF-GEN-001 ASF-GEN-010");
-  cli::TextOutput out, err;
+  text::TextOutput out, err;
   const std::string path = CANOPUS_SOURCE_DIR "/examples/five-modules/plant.toml";
   EXPECT_EQ(cli::check_plant({.plant = path, .strict = true}, out, err), 0) << err.text();
   plant_ = cli::load_plant(path, *this, err);
@@ -266,7 +268,7 @@ TEST_F(AsFcopmPlant, AllFiveModulesInOnePlant) {
 
 TEST_F(AsFcopmPlant, TheExampleRuns) {
   RecordProperty("spec", "ASF-GEN-001 ASF-NMT-003");
-  cli::TextOutput out, err;
+  text::TextOutput out, err;
   EXPECT_EQ(cli::check_plant({.plant = CANOPUS_SOURCE_DIR "/examples/as-fcopm/plant.toml", .strict = true},
                              out, err),
             0)

@@ -5,9 +5,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/plant/device_on_bus.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/file/process_value.hpp"
+#include "canopus/plc/rack/rack.hpp"
 #include "canopus/serve/device_control.hpp"
 
 #include "support/plant_folder.hpp"
@@ -43,7 +44,7 @@ class DeviceScript : public support::PlantFolder, public PlantObserver {
   }
   void run_until(can::Duration time) { plant_->timeline().run_until(can::Time{time}); }
   void object_forced(const ForcedObject& forced, can::Time now) override {
-    events_.push_back(fmt::format("{} {}", now.time_since_epoch() / 1us, cli::describe(forced)));
+    events_.push_back(fmt::format("{} {}", now.time_since_epoch() / 1us, plant::describe(forced)));
   }
   void object_released(const ForcedObject& released, can::Time now) override {
     events_.push_back(fmt::format("{} {} released, {}", now.time_since_epoch() / 1us, released.object,

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/events/event_printer.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plc/rack/rack.hpp"
 
 #include "support/plant_folder.hpp"
@@ -53,7 +53,7 @@ class ModuleSlave : public support::PlantFolder, public plant::PlantObserver {
     EXPECT_TRUE(plant_->rack(rack_number).write_buffer(0, address, {&value, 1}, plant_->timeline().now()));
   }
   void nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time) override {
-    if (state == canopen::NmtState::operational) operational_.push_back(cli::describe(node));
+    if (state == canopen::NmtState::operational) operational_.push_back(plant::describe(node));
   }
 
   std::unique_ptr<plant::Plant> plant_;

@@ -16,8 +16,8 @@
 #include <gmock/gmock.h>
 
 #include "canopus/can/frame.hpp"
-#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/run/run_recording.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/plant/plant_partitioning.hpp"
 
@@ -118,8 +118,8 @@ class PlantSlices : public support::PlantFolder {
     std::filesystem::create_directory(folder_);
     write("saving.eds",
           support::device_file(support::array_of_one("1010", "1") + support::variable("1017", 6)));
-    cli::TextOutput events;
-    cli::JsonPrinter printer(events);
+    text::TextOutput events;
+    plant::JsonPrinter printer(events);
     const auto plant = load(plant_text(), printer);
     if (plant == nullptr) return {};
     EXPECT_THAT(plant->open_stores(), IsEmpty());
@@ -142,7 +142,7 @@ class PlantSlices : public support::PlantFolder {
     EXPECT_FALSE(plant->has_stalled());
     for (const auto& saver : savers) EXPECT_EQ(saver->saved, 2U);
     EXPECT_THAT(recording.close(plant->timeline().now(), {}), IsEmpty());
-    cli::RunSummary summary{.end = end, .nodes = plant->nodes(), .boots = plant->boots()};
+    plant::RunSummary summary{.end = end, .nodes = plant->nodes(), .boots = plant->boots()};
     for (std::size_t i = 0; i < plant->bus_count(); ++i) {
       summary.buses.push_back({plant->bus(i).name(), plant->bus(i).load(end)});
     }

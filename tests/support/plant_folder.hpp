@@ -14,7 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "canopus/cli/commands/check_command.hpp"
-#include "canopus/cli/terminal/plant_loading.hpp"
+#include "canopus/plant/plant_loading.hpp"
 
 namespace canopus::support {
 
@@ -60,8 +60,8 @@ class PlantFolder : public testing::Test {
   /// folder.
   std::vector<std::string> check(std::string_view text, bool strict = false) {
     write("plant.toml", text);
-    cli::TextOutput out;
-    cli::TextOutput err;
+    text::TextOutput out;
+    text::TextOutput err;
     exit_code_ = cli::check_plant({.plant = path(), .strict = strict}, out, err);
     summary_ = shortened(out.text());
     std::istringstream lines(shortened(err.text()));
@@ -73,16 +73,16 @@ class PlantFolder : public testing::Test {
   std::unique_ptr<plant::Plant> load(std::string_view text, plant::PlantObserver& observer,
                                      plant::BusOpener* opener = nullptr) {
     write("plant.toml", text);
-    cli::TextOutput err;
-    auto plant = cli::load_plant(path(), observer, err, {.opener = opener});
+    text::TextOutput err;
+    auto plant = plant::load_plant(path(), observer, err, {.opener = opener});
     EXPECT_NE(plant, nullptr) << err.text();
     return plant;
   }
   /// Why there is no plant of this text.
   std::string refusal(std::string_view text, plant::PlantObserver& observer, plant::BusOpener* opener) {
     write("plant.toml", text);
-    cli::TextOutput err;
-    EXPECT_EQ(cli::load_plant(path(), observer, err, {.opener = opener}), nullptr);
+    text::TextOutput err;
+    EXPECT_EQ(plant::load_plant(path(), observer, err, {.opener = opener}), nullptr);
     return shortened(err.text());
   }
   [[nodiscard]] std::string path() const { return (folder_ / "plant.toml").string(); }

@@ -4,9 +4,8 @@
 
 #include <unistd.h>
 
-#include "canopus/cli/analysis/analysis_names.hpp"
-#include "canopus/cli/analysis/filter_expression.hpp"
-#include "canopus/cli/analysis/message_printer.hpp"
+#include "canopus/cli/analysis/filter_options.hpp"
+#include "canopus/cli/analysis/names_options.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
@@ -15,6 +14,8 @@
 #include "canopus/text/text_values.hpp"
 #include "canopus/trace/decode/decoder.hpp"
 #include "canopus/trace/file/trace_file.hpp"
+#include "canopus/trace/filter/filter_expression.hpp"
+#include "canopus/trace/print/message_printer.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -24,7 +25,7 @@ using link::BusLoop;
 struct MonitorOptions {
   std::string bus{};
   NamesOptions names{};
-  FilterOptions filter{};
+  trace::FilterOptions filter{};
   std::string time = "z";
   std::string write{};
   std::string duration{};
@@ -36,14 +37,14 @@ struct MonitorOptions {
 class Monitor final : public can::Listener {
  public:
   /// `bus`: its name, if it has one; a plant file's names are those of its bus of that name.
-  Monitor(const MonitorOptions& options, std::string bus, trace::Names names, MessageFilter filter,
-          FilterExpression expression, std::optional<trace::TraceFile> file)
+  Monitor(const MonitorOptions& options, std::string bus, trace::Names names, trace::MessageFilter filter,
+          trace::FilterExpression expression, std::optional<trace::TraceFile> file)
       : bus_(std::move(bus)),
         decoder_(std::move(names), {.frames = options.frames, .transfers = !options.frames}),
         filter_(std::move(filter)),
         expression_(std::move(expression)),
         file_(std::move(file)),
-        printer_({.time = static_cast<TimeColumn>(options.time.front()),
+        printer_({.time = static_cast<trace::TimeColumn>(options.time.front()),
                   .frames = options.frames,
                   .json = options.json,
                   .colour = wants_colour(STDOUT_FILENO)},
@@ -72,18 +73,19 @@ class Monitor final : public can::Listener {
 
  private:
   void print(const trace::Message& message) {
-    if (filter_.wants(message, {}) && expression_.wants(message, bus_, message.time.time_since_epoch(),
-                                                        [&] { return searched_text(message, bus_); })) {
+    if (filter_.wants(message, {}) && expression_.wants(message, bus_, message.time.time_since_epoch(), [&] {
+          return trace::searched_text(message, bus_);
+        })) {
       printer_.print(message, "");
     }
   }
 
   std::string bus_;
   trace::Decoder decoder_;
-  MessageFilter filter_;
-  FilterExpression expression_;
+  trace::MessageFilter filter_;
+  trace::FilterExpression expression_;
   std::optional<trace::TraceFile> file_;
-  MessagePrinter printer_;
+  trace::MessagePrinter printer_;
   can::Duration since_1970_;
   std::chrono::steady_clock::time_point begin_;
 };
@@ -103,8 +105,8 @@ int monitor(const MonitorOptions& options) {
     duration = *parsed;
   }
   auto names = load_names(options.names, standard_error());
-  auto filter = MessageFilter::make(options.filter, standard_error());
-  auto expression = FilterExpression::make(options.filter, standard_error());
+  auto filter = trace::MessageFilter::make(options.filter, standard_error());
+  auto expression = trace::FilterExpression::make(options.filter, standard_error());
   if (!names || !filter || !expression) return 2;
   std::optional<trace::TraceFile> file;
   if (!options.write.empty()) {

@@ -4,7 +4,7 @@
 
 #include <fmt/ranges.h>
 
-#include "canopus/cli/analysis/analysis_names.hpp"
+#include "canopus/cli/analysis/names_options.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/trace/report/bus_model.hpp"

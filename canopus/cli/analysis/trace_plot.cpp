@@ -5,16 +5,16 @@
 #include <filesystem>
 #include <memory>
 
-#include "canopus/cli/analysis/analysis_names.hpp"
-#include "canopus/cli/analysis/picture_signal.hpp"
+#include "canopus/cli/analysis/names_options.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
-#include "canopus/cli/analysis/trace_walk.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/channel_choice.hpp"
 #include "canopus/cli/terminal/same_file.hpp"
 #include "canopus/text/text_values.hpp"
 #include "canopus/trace/decode/decoder.hpp"
+#include "canopus/trace/print/picture_signal.hpp"
+#include "canopus/trace/print/trace_walk.hpp"
 #include "canopus/trace/report/trace_picture.hpp"
 
 namespace canopus::cli {
@@ -47,7 +47,7 @@ int plot(const PlotOptions& options) {
   if (!names) return 2;
   trace::PictureOptions wanted{.bit_rate = options.bit_rate};
   for (const std::string& text : options.signals) {
-    const auto signal = parse_picture_signal(text, *names);
+    const auto signal = trace::parse_picture_signal(text, *names);
     if (!signal) {
       print_error(
           "canopus: --signal {}: expected a node's name or node-ID, a dot and an object, as 3.6000:01", text);
@@ -59,11 +59,11 @@ int plot(const PlotOptions& options) {
   trace::TracePicture picture(std::move(wanted));
   const auto take = [&](const trace::Message& message) { picture.message(message); };
   ChannelChoice channels(options.channels);
-  int code = walk_trace(options.file, standard_error(),
-                        [&](const trace::TraceRecord& record, std::string_view channel) {
-                          if (channels.wants(channel)) decoder.receive(record, channel, take);
-                          return true;
-                        });
+  int code = trace::walk_trace(options.file, standard_error(),
+                               [&](const trace::TraceRecord& record, std::string_view channel) {
+                                 if (channels.wants(channel)) decoder.receive(record, channel, take);
+                                 return true;
+                               });
   if (code == 2) return code;
   if (!channels.report_missing(standard_error())) code = 1;
   for (const trace::PictureSignal& signal : picture.missing()) {

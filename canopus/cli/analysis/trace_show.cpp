@@ -3,15 +3,16 @@
 
 #include <unistd.h>
 
-#include "canopus/cli/analysis/analysis_names.hpp"
-#include "canopus/cli/analysis/filter_expression.hpp"
-#include "canopus/cli/analysis/message_printer.hpp"
+#include "canopus/cli/analysis/filter_options.hpp"
+#include "canopus/cli/analysis/names_options.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
-#include "canopus/cli/analysis/trace_walk.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/channel_choice.hpp"
 #include "canopus/trace/decode/decoder.hpp"
+#include "canopus/trace/filter/filter_expression.hpp"
+#include "canopus/trace/print/message_printer.hpp"
+#include "canopus/trace/print/trace_walk.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 struct ShowOptions {
   std::string file{};
   NamesOptions names{};
-  FilterOptions filter{};
+  trace::FilterOptions filter{};
   std::string time = "z";
   bool frames = false;
   bool json = false;
@@ -27,15 +28,15 @@ struct ShowOptions {
 
 int show(const ShowOptions& options) {
   auto names = load_names(options.names, standard_error());
-  const auto filter = MessageFilter::make(options.filter, standard_error());
-  const auto expression = FilterExpression::make(options.filter, standard_error());
+  const auto filter = trace::MessageFilter::make(options.filter, standard_error());
+  const auto expression = trace::FilterExpression::make(options.filter, standard_error());
   if (!names || !filter || !expression) return 2;
   trace::Decoder decoder(std::move(*names), {.frames = options.frames, .transfers = !options.frames});
-  MessagePrinter printer({.time = static_cast<TimeColumn>(options.time.front()),
-                          .frames = options.frames,
-                          .json = options.json,
-                          .colour = wants_colour(STDOUT_FILENO)},
-                         standard_output());
+  trace::MessagePrinter printer({.time = static_cast<trace::TimeColumn>(options.time.front()),
+                                 .frames = options.frames,
+                                 .json = options.json,
+                                 .colour = wants_colour(STDOUT_FILENO)},
+                                standard_output());
   std::optional<can::Time> zero;
   ChannelChoice choice(options.filter.channels);
   std::vector<std::string> channels;
@@ -44,19 +45,21 @@ int show(const ShowOptions& options) {
         message.channel < channels.size() ? std::string_view(channels[message.channel]) : std::string_view();
     const can::Duration since = message.time - *zero;
     if (filter->wants(message, since) &&
-        expression->wants(message, channel, since, [&] { return searched_text(message, channel); })) {
+        expression->wants(message, channel, since, [&] { return trace::searched_text(message, channel); })) {
       printer.print(message, channel);
     }
   };
-  const int code = walk_trace(options.file, standard_error(),
-                              [&](const trace::TraceRecord& record, std::string_view channel) {
-                                if (!zero) printer.set_zero(*(zero = record.time));
-                                if (filter->is_over(record.time - *zero)) return false;
-                                if (record.channel >= channels.size()) channels.resize(record.channel + 1U);
-                                if (channels[record.channel].empty()) channels[record.channel] = channel;
-                                if (choice.wants(channel)) decoder.receive(record, channel, print);
-                                return true;
-                              });
+  const int code = trace::walk_trace(options.file, standard_error(),
+                                     [&](const trace::TraceRecord& record, std::string_view channel) {
+                                       if (!zero) printer.set_zero(*(zero = record.time));
+                                       if (filter->is_over(record.time - *zero)) return false;
+                                       if (record.channel >= channels.size())
+                                         channels.resize(record.channel + 1U);
+                                       if (channels[record.channel].empty())
+                                         channels[record.channel] = channel;
+                                       if (choice.wants(channel)) decoder.receive(record, channel, print);
+                                       return true;
+                                     });
   if (code == 2) return code;
   decoder.finish(print);
   return choice.report_missing(standard_error()) ? code : 1;

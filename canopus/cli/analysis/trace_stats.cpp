@@ -1,13 +1,13 @@
 #include <memory>
 
-#include "canopus/cli/analysis/analysis_names.hpp"
-#include "canopus/cli/analysis/statistics_json.hpp"
+#include "canopus/cli/analysis/names_options.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
-#include "canopus/cli/analysis/trace_walk.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/channel_choice.hpp"
 #include "canopus/text/json.hpp"
+#include "canopus/trace/print/statistics_json.hpp"
+#include "canopus/trace/print/trace_walk.hpp"
 #include "canopus/trace/report/statistics.hpp"
 
 namespace canopus::cli {
@@ -37,7 +37,7 @@ void print_identifiers(const ChannelFigures& channel, Output& out) {
   out.line("  {:<8}  {:<30}  {:>8}  {:>10} {:>10} {:>10} {:>10}", "COB-ID", "what", "frames", "min ms",
            "mean ms", "max ms", "jitter ms");
   for (const auto& [key, one] : channel.identifiers) {
-    Line line("  {:<8}  {:<30}  {:>8}", identifier_of_key(key), one.who, one.frames);
+    Line line("  {:<8}  {:<30}  {:>8}", trace::identifier_of_key(key), one.who, one.frames);
     if (const TimeFigures& cycle = one.cycle; cycle.count() > 0) {
       line.add("  {:>10.3f} {:>10.3f} {:>10.3f} {:>10.3f}", milliseconds(cycle.min()),
                milliseconds(cycle.mean()), milliseconds(cycle.max()),
@@ -118,13 +118,13 @@ int show_statistics(const StatsOptions& options) {
   Statistics statistics;
   const auto take = [&](const trace::Message& message) { statistics.message(message, decoder); };
   ChannelChoice channels(options.channels);
-  int code = walk_trace(options.file, standard_error(),
-                        [&](const trace::TraceRecord& record, std::string_view channel) {
-                          if (!channels.wants(channel)) return true;
-                          statistics.record(record, channel);
-                          decoder.receive(record, channel, take);
-                          return true;
-                        });
+  int code = trace::walk_trace(options.file, standard_error(),
+                               [&](const trace::TraceRecord& record, std::string_view channel) {
+                                 if (!channels.wants(channel)) return true;
+                                 statistics.record(record, channel);
+                                 decoder.receive(record, channel, take);
+                                 return true;
+                               });
   if (code == 2) return code;
   if (!channels.report_missing(standard_error())) code = 1;
   decoder.finish(take);
@@ -133,7 +133,7 @@ int show_statistics(const StatsOptions& options) {
     print_text(statistics, options.bit_rate, standard_output());
     return code;
   }
-  print_json(to_json(statistics, options.bit_rate));
+  print_json(trace::to_json(statistics, options.bit_rate));
   return code;
 }
 

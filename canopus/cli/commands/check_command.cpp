@@ -5,8 +5,8 @@
 #include <fmt/ranges.h>
 
 #include "canopus/cli/options/command.hpp"
-#include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/plant/file/plant_file.hpp"
+#include "canopus/plant/plant_loading.hpp"
 #include "canopus/sim/lift/units.hpp"
 #include "canopus/text/file_error.hpp"
 
@@ -35,7 +35,7 @@ int check_plant(const CheckOptions& options, Output& out, Output& err) {
   class Nobody final : public plant::PlantObserver {
   } no_observer;
   const std::string& path = options.plant;
-  const auto plant = load_plant(path, no_observer, err);
+  const auto plant = plant::load_plant(path, no_observer, err);
   if (!plant) return 2;
   for (const text::FileWarning& warning : plant->warnings()) err.line("{}", describe(warning, path));
   for (const std::string& line : plant->connections()) out.line("{}", line);

@@ -11,9 +11,9 @@
 #include "canopus/cli/commands/eds_show.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/terminal/device_names.hpp"
-#include "canopus/cli/terminal/domain_words.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/cli/terminal/sigpipe.hpp"
+#include "canopus/client/domain_words.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/eds/files/losses.hpp"
 #include "canopus/eds/files/xdd_writer.hpp"
@@ -238,12 +238,12 @@ int eds_concise(const EdsConciseOptions& options, Output& out, Output& err) {
     device = std::move(*file);
   }
   const std::vector<std::uint8_t> bytes(text->begin(), text->end());
-  const DomainWords words =
-      domain_words(concise_dcf_object, bytes, device ? device->dictionary.get() : nullptr);
+  const client::DomainWords words =
+      client::domain_words(client::concise_dcf_object, bytes, device ? device->dictionary.get() : nullptr);
   if (options.json) {
-    out.json(json_of(words));
+    out.json(client::json_of(words));
   } else {
-    for (const std::string& line : lines_of(words)) out.line("{}", line);
+    for (const std::string& line : client::lines_of(words)) out.line("{}", line);
   }
   return words.problem.empty() ? 0 : 1;
 }

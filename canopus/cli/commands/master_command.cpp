@@ -8,8 +8,8 @@
 
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
-#include "canopus/cli/terminal/boot_report.hpp"
 #include "canopus/master/network_master.hpp"
+#include "canopus/plant/events/boot_report.hpp"
 #include "canopus/text/file_text.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"
@@ -128,7 +128,7 @@ class Printer final : public master::NetworkObserver {
   }
   static text::Json boot_fields(const BootRecord& record, can::Time now) {
     text::Json fields = text::Json::object();
-    add_boot(fields, record, now);
+    plant::add_boot(fields, record, now);
     return fields;
   }
 

@@ -11,11 +11,11 @@
 #include "canopus/cli/commands/module_status.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
-#include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/module/storage/flash_memory.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
+#include "canopus/plant/plant_loading.hpp"
 #include "canopus/plc/rack/rack.hpp"
 #include "canopus/store/file_memory.hpp"
 #include "canopus/text/json.hpp"
@@ -132,7 +132,7 @@ Json as_json(const DataSheet& sheet, std::optional<std::uint32_t> writes) {
 int product_lists(const std::string& path, bool json, Output& out, Output& err) {
   class Nobody final : public plant::PlantObserver {
   } no_observer;
-  const std::unique_ptr<plant::Plant> plant = load_plant(path, no_observer, err);
+  const std::unique_ptr<plant::Plant> plant = plant::load_plant(path, no_observer, err);
   if (!plant) return 2;
   if (!json)
     out.line("plc       slot  type      series  model        points  I/O No.  serial No         ver.");

@@ -15,7 +15,7 @@
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/terminal/device_names.hpp"
-#include "canopus/cli/terminal/domain_words.hpp"
+#include "canopus/client/domain_words.hpp"
 #include "canopus/client/sdo_transfer_on_bus.hpp"
 #include "canopus/client/sdo_value.hpp"
 #include "canopus/text/byte_size.hpp"
@@ -79,14 +79,15 @@ std::expected<Target, std::string> target_of(const SdoArguments& arguments) {
 bool is_domain(const Target& target, std::span<const std::uint8_t> bytes) {
   constexpr std::size_t many = 32;
   if (target.type) return *target.type == canopen::DataType::domain;
-  if (target.object.index == concise_dcf_object) return target.object.sub != 0;
+  if (target.object.index == client::concise_dcf_object) return target.object.sub != 0;
   return bytes.size() > many && std::ranges::any_of(bytes, [](std::uint8_t byte) {
            return byte < 0x20 || byte >= 0x7F;  // else it is a text
          });
 }
 
-DomainWords words_of(const Target& target, std::span<const std::uint8_t> bytes) {
-  return domain_words(target.object.index, bytes, target.device ? target.device->dictionary.get() : nullptr);
+client::DomainWords words_of(const Target& target, std::span<const std::uint8_t> bytes) {
+  return client::domain_words(target.object.index, bytes,
+                              target.device ? target.device->dictionary.get() : nullptr);
 }
 
 /// How fast it went; of what goes in one frame nobody asks.
@@ -164,7 +165,7 @@ int print_value(const SdoArguments& arguments, const Target& target, std::span<c
       line["value"] = client::json_value(bytes, *target.type);
     }
     if (is_domain(target, bytes)) {
-      line["domain"] = json_of(words_of(target, bytes));
+      line["domain"] = client::json_of(words_of(target, bytes));
       line["transfer"] = {{"bytes", speed.bytes},
                           {"seconds", can::seconds(can::Time{speed.time})},
                           {"form", client::name(speed.form)},
@@ -174,7 +175,7 @@ int print_value(const SdoArguments& arguments, const Target& target, std::span<c
     return exit_code::done;
   }
   if (is_domain(target, bytes)) {
-    const auto lines = lines_of(words_of(target, bytes));
+    const auto lines = client::lines_of(words_of(target, bytes));
     print_line("{}  {}", target.object_text(), lines.front());
     for (const std::string& line : lines | std::views::drop(1)) print_line("{}", line);
     print_speed(speed);

@@ -9,12 +9,12 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/events/web_objects.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
-#include "canopus/cli/terminal/domain_words.hpp"
+#include "canopus/client/domain_words.hpp"
 #include "canopus/plant/catalogue/error_history.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/serve/device_control.hpp"
 
@@ -35,9 +35,9 @@ const canopen::DictionaryDescription* configured_device(plant::Plant& plant, std
 
 text::Json words_of_domain(plant::Plant& plant, std::string_view bus, ViewedObject object,
                            std::span<const std::uint8_t> bytes) {
-  const bool is_concise = object.index == concise_dcf_object;
+  const bool is_concise = object.index == client::concise_dcf_object;
   const auto* const device = is_concise ? configured_device(plant, bus, object.sub) : nullptr;
-  return json_of(domain_words(object.index, bytes, device));
+  return client::json_of(client::domain_words(object.index, bytes, device));
 }
 
 /// Pairs of hexadecimal digits.
@@ -74,7 +74,7 @@ std::string errors_event(plant::Plant& plant, const text::Json& wish) {
   const plant::CatalogueEntry* const entry = plant::find_module(plant.module_section(number).model);
   if (entry == nullptr) return {};
   const can::Time now = plant.timeline().now();
-  text::Json event = event_line(now, "errors");
+  text::Json event = plant::event_line(now, "errors");
   event["number"] = number;
   event["module"] = modules[number].label.name;
   event["groups"] = modules[number].is_on
@@ -95,7 +95,7 @@ std::string domain_event(plant::Plant& plant, const text::Json& wish) {
   if (!entry || !canopen::is_variable_length(entry.description->type)) return {};
   const auto bytes = bytes_of_object(plant, number, objects, entry);
   const plant::NodeStatus status = plant.nodes()[number];
-  text::Json event = event_line(plant.timeline().now(), "domain");
+  text::Json event = plant::event_line(plant.timeline().now(), "domain");
   event["number"] = number;
   event["bus"] = status.label.bus;
   event["node"] = status.label.node_id;

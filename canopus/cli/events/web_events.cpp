@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/terminal/boot_report.hpp"
+#include "canopus/plant/events/boot_report.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/printable.hpp"
@@ -149,7 +149,7 @@ std::string WebEvents::lost(std::uint64_t events) const {
 
 std::string state_event(plant::Plant& plant, const WebTraffic* traffic, const WebBoots* boots, double speed) {
   const can::Time now = plant.timeline().now();
-  Fields state = event_line(now, "state");
+  Fields state = plant::event_line(now, "state");
   state["plant"] = plant.name();
   state["speed"] = speed;
   state["live"] = false;
@@ -169,7 +169,7 @@ std::string state_event(plant::Plant& plant, const WebTraffic* traffic, const We
   for (const plant::SlaveBoot& boot : plant.boots()) {
     Fields slave = label_fields(boot.slave);
     slave["master"] = boot.master.node_id;
-    add_boot(slave, boot.record, now);
+    plant::add_boot(slave, boot.record, now);
     const BusStatisticsView* const figures = traffic == nullptr ? nullptr : traffic->figures(boot.slave.bus);
     add_figures(slave, figures, boot.slave.node_id, now);
     add_nmt_state(slave, figures, boot.slave.node_id, now);

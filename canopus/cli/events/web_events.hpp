@@ -8,11 +8,11 @@
 #include <string>
 #include <string_view>
 
-#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/events/observer_pair.hpp"
 #include "canopus/cli/events/web_boots.hpp"
 #include "canopus/cli/events/web_traffic.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/plant.hpp"
 
 namespace canopus::cli {
@@ -47,7 +47,7 @@ class WebEvents {
   std::function<void(std::string_view)> listener_;
   std::deque<std::string> early_;  // before there was a listener
   Lines lines_{*this};
-  JsonPrinter json_{lines_};
+  plant::JsonPrinter json_{lines_};
   ObserverPair pair_;
   WebBoots boots_;
   ObserverPair all_{pair_, boots_};

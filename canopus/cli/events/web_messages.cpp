@@ -2,11 +2,11 @@
 
 #include <utility>
 
-#include "canopus/cli/analysis/message_printer.hpp"
-#include "canopus/cli/events/event_printer.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/initial_nodes.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/printable.hpp"
+#include "canopus/trace/print/message_printer.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -50,13 +50,13 @@ std::string WebMessages::look(bool wanted) {
     return {};
   }
   if (frames_.empty()) return {};
-  text::Json event = event_line(plant_.timeline().now(), "messages");
+  text::Json event = plant::event_line(plant_.timeline().now(), "messages");
   event["left_out"] = std::exchange(left_out_, 0);
   event["messages"] = text::Json::array();
   for (const trace::TraceRecord& record : std::exchange(frames_, {})) {
     const std::string& bus = plant_.bus(record.channel).name();
     decoder_.receive(record, bus, [&](const trace::Message& message) {
-      event["messages"].push_back(to_json(message, bus));
+      event["messages"].push_back(trace::to_json(message, bus));
     });
   }
   return text::printable_json(event.dump());

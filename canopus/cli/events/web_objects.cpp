@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "canopus/canopen/node/node.hpp"
-#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/eds/words.hpp"
@@ -17,6 +16,7 @@
 #include "canopus/manager/nmt/negotiation_words.hpp"
 #include "canopus/module/interface/communication_module.hpp"
 #include "canopus/plant/device_on_bus.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/trace/decode/object_meaning.hpp"
 
@@ -153,7 +153,7 @@ std::string objects_event(plant::Plant& plant, const text::Json& wish) {
   const canopen::Node* const node = node_at(plant, number);
   if (node == nullptr) return {};
   const plant::NodeStatus status = plant.nodes()[number];
-  text::Json event = event_line(plant.timeline().now(), "objects");
+  text::Json event = plant::event_line(plant.timeline().now(), "objects");
   event["number"] = number;
   event["bus"] = status.label.bus;
   event["node"] = status.label.node_id;
@@ -170,7 +170,7 @@ std::string meaning_event(plant::Plant& plant, const text::Json& wish) {
   const auto object = object_of_view(view_text(wish, "meaning"));
   if (!object) return {};
   const trace::ObjectMeaning meaning = trace::object_meaning(object->index, object->sub);
-  text::Json event = event_line(plant.timeline().now(), "meaning");
+  text::Json event = plant::event_line(plant.timeline().now(), "meaning");
   event["object"] = fmt::format("{:04X}:{:02X}", object->index, object->sub);
   event["meaning"] = meaning.text;
   event["unit"] = meaning.unit;

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "canopus/can/frame_bits.hpp"
-#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/sim/bus/bit_controller.hpp"
 #include "canopus/sim/bus/bit_stream.hpp"
 
@@ -122,7 +122,7 @@ void WebTraffic::add_frame(Json& event, std::size_t bus, const Seen& seen) {
   std::string data;
   for (const std::uint8_t byte : seen.frame.bytes()) data += fmt::format("{:02X}", byte);
   event["frame"] = {{"can_id", fmt::format("{:0{}X}", seen.frame.identifier, seen.frame.extended ? 8 : 3)},
-                    {"at", event_seconds(seen.at)},
+                    {"at", plant::event_seconds(seen.at)},
                     {"dlc", seen.frame.dlc},
                     {"remote", seen.frame.remote},
                     {"data", data}};
@@ -152,9 +152,12 @@ void WebTraffic::add_error_frames(Json& event, std::size_t bus) {
   event["error_frames"] = Json::array();
   for (std::size_t i = 1; i <= std::min(seen.next_error_frame, most_error_frames); ++i) {
     const ErrorFrame& one = seen.error_frames[(seen.next_error_frame - i) % most_error_frames];
-    Json line{{"at", event_seconds(one.at)},    {"error", name(one.first.error)},
-              {"field", name(one.first.field)}, {"bit", one.first.bit},
-              {"finders", one.finders},         {"transmitter", one.first.transmitter}};
+    Json line{{"at", plant::event_seconds(one.at)},
+              {"error", name(one.first.error)},
+              {"field", name(one.first.field)},
+              {"bit", one.first.bit},
+              {"finders", one.finders},
+              {"transmitter", one.first.transmitter}};
     if (one.first.port != nullptr) line["name"] = one.first.port->name();
     const bool is_in_frame =
         one.first.field > can::FrameField::idle && one.first.field <= can::FrameField::end_of_frame;
@@ -213,7 +216,7 @@ std::string WebTraffic::look(const text::Json& wish) {
   const std::size_t number = view_number(wish, "traffic", SIZE_MAX);
   if (number >= taps_.size()) return {};
   const Bus& bus = taps_[number]->bus;
-  Json event = event_line(plant_.timeline().now(), "traffic");
+  Json event = plant::event_line(plant_.timeline().now(), "traffic");
   event["number"] = number;
   event["bus"] = plant_.bus(number).name();
   event["classes"] = Json::array();

@@ -7,10 +7,10 @@
 #include <string_view>
 
 #include "canopus/can/little_endian.hpp"
-#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/events/web_objects.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
 #include "canopus/module/interface/communication_module.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -67,7 +67,7 @@ text::Json object(plant::Plant& plant, std::string_view key) {
 std::string values_event(plant::Plant& plant, const text::Json& wish) {
   const auto keys = wish.find("values");
   if (keys == wish.end() || !keys->is_array() || keys->size() > most_values) return {};
-  text::Json event = event_line(plant.timeline().now(), "values");
+  text::Json event = plant::event_line(plant.timeline().now(), "values");
   event["values"] = text::Json::array();
   constexpr std::string_view words = "words ";
   constexpr std::string_view objects = "objects ";

@@ -6,14 +6,14 @@
 #include <fmt/format.h>
 
 #include "canopus/canopen/service/cob_id.hpp"
-#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/events/node_detail_view.hpp"
 #include "canopus/cli/events/web_objects.hpp"
 #include "canopus/cli/events/web_values.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
-#include "canopus/cli/terminal/boot_report.hpp"
 #include "canopus/module/canopen/network_variables.hpp"
 #include "canopus/plant/device_on_bus.hpp"
+#include "canopus/plant/events/boot_report.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 
 namespace canopus::cli {
@@ -128,7 +128,7 @@ std::string WebViews::words_event(const text::Json& view) {
     if (plant_.bus(i).name() == module.bus) tap = taps_[i].get();
   }
   const auto process = process_words(module);
-  Json event = event_line(now, "words");
+  Json event = plant::event_line(now, "words");
   event["number"] = position;
   event["module"] = module.name;
   event["from"] = from;
@@ -211,7 +211,7 @@ std::string WebViews::sender_of(std::string_view bus, std::uint32_t identifier) 
 
 std::string WebViews::boots_event() const {
   const can::Time now = plant_.timeline().now();
-  Json event = event_line(now, "boots");
+  Json event = plant::event_line(now, "boots");
   event["masters"] = Json::array();
   for (const plant::ModuleStatus& module : plant_.modules()) {
     if (module.start_up == module::StartUp::none) continue;
@@ -226,7 +226,7 @@ std::string WebViews::boots_event() const {
     one["steps"] = Json::array();
     for (const WebBoots::Step& step : slave.steps) {
       Json line{{"t", can::seconds(step.at)}};
-      add_boot(line, step.record, now);
+      plant::add_boot(line, step.record, now);
       one["steps"].push_back(std::move(line));
     }
     event["slaves"].push_back(std::move(one));

@@ -2,6 +2,7 @@
 
 #include "canopus/cli/module_settings/project_files.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/module_settings/recent_projects.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 
 namespace canopus::cli {
@@ -63,7 +64,7 @@ int with_project(const ConfigureArguments& arguments,
   if (!project) return configure_failed(configure_code::usage, project.error());
   const auto area = parse_area(arguments.pdos, project->window("tpdo")->most_key);
   if (!area) return configure_failed(configure_code::usage, "--pdos: " + area.error());
-  remember_project(arguments.file);
+  module_settings::remember_project(arguments.file);
   return with_module(arguments, &*project, [&](client::PlcClient& client, client::PlcModule& module) {
     return action(*project, client, module, *area);
   });

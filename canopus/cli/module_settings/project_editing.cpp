@@ -9,6 +9,7 @@
 #include "canopus/cli/module_settings/project_files.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/module_settings/module_project.hpp"
+#include "canopus/module_settings/recent_projects.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/text/json.hpp"
 
@@ -63,7 +64,7 @@ int change_project(const std::string& path, const std::string& title, Change cha
   if (const std::string wrong = file->save(*project, title); !wrong.empty()) {
     return configure_failed(configure_code::failed, wrong);
   }
-  remember_project(path);
+  module_settings::remember_project(path);
   return configure_code::done;
 }
 
@@ -156,14 +157,14 @@ int new_project(const ConfigureArguments& arguments) {
   if (const std::string wrong = save_project(arguments.file, project); !wrong.empty()) {
     return configure_failed(configure_code::failed, wrong);
   }
-  remember_project(arguments.file);
+  module_settings::remember_project(arguments.file);
   return configure_code::done;
 }
 
 int show_project(const ConfigureArguments& arguments) {
   const auto project = look_at_project(arguments);
   if (!project) return configure_failed(configure_code::usage, project.error());
-  remember_project(arguments.file);
+  module_settings::remember_project(arguments.file);
   for (const Window& window : project->tool().windows) {
     if (!arguments.window.empty() && arguments.window != window.word) continue;
     for (const auto& [key, row] : project->rows(window)) {
@@ -293,7 +294,7 @@ int undo_in_project(const ConfigureArguments& arguments) {
 }
 
 int list_recent_projects() {
-  for (const std::string& path : recent_projects()) print_line("{}", path);
+  for (const std::string& path : module_settings::recent_projects()) print_line("{}", path);
   return configure_code::done;
 }
 

@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/setups/user_state.hpp"
 #include "canopus/module_settings/module_project_file.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/store/files.hpp"
 #include "canopus/store/inner_path.hpp"
+#include "canopus/store/user_state.hpp"
 #include "canopus/text/printable.hpp"
 
 namespace canopus::cli {
@@ -18,7 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr std::size_t longest_file = 4'000'000;
-constexpr std::size_t most_recent = 10;
 
 std::expected<std::string, std::string> read_text(const std::string& path) {
   const auto bytes = store::real_files().read(path, longest_file);
@@ -38,11 +37,6 @@ fs::path records_of(const fs::path& path) { return fs::path(".canopus") / "setti
 
 fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
-}
-
-fs::path list_path() {
-  const fs::path folder = user_state_folder();
-  return folder.empty() ? folder : folder / "recent-projects";
 }
 
 }  // namespace
@@ -66,7 +60,7 @@ std::expected<module_settings::ModuleProject, std::string> look_at_project(
 }
 
 std::string save_project(const std::string& path, const module_settings::ModuleProject& project) {
-  return write_whole(path, module_settings::to_xml(project), FileReaders::everybody);
+  return store::write_whole(path, module_settings::to_xml(project), store::FileReaders::everybody);
 }
 
 std::expected<ChangingProject, std::string> ChangingProject::open(const std::string& path) {
@@ -90,33 +84,6 @@ std::string ChangingProject::save(const module_settings::ModuleProject& project,
   const auto written =
       changes_.write({{fs::path(path_).filename().string(), module_settings::to_xml(project)}}, title);
   return written ? std::string() : written.error();
-}
-
-std::vector<std::string> recent_projects() {
-  const fs::path list = list_path();
-  std::vector<std::string> names;
-  if (list.empty()) return names;
-  const auto text = read_text(list.string());
-  if (!text) return names;
-  for (std::size_t at = 0; at < text->size() && names.size() < most_recent;) {
-    const std::size_t end = std::min(text->find('\n', at), text->size());
-    if (end > at) names.push_back(text->substr(at, end - at));
-    at = end + 1;
-  }
-  return names;
-}
-
-void remember_project(const std::string& path) {
-  const fs::path list = list_path();
-  std::error_code error;
-  const std::string name = fs::absolute(path, error).lexically_normal().string();
-  if (list.empty() || error || name.find('\n') != std::string::npos) return;
-  std::vector<std::string> names = recent_projects();
-  std::erase(names, name);
-  names.insert(names.begin(), name);
-  if (names.size() > most_recent) names.resize(most_recent);
-  fs::create_directories(list.parent_path(), error);
-  (void)write_whole(list, fmt::format("{}\n", fmt::join(names, "\n")), FileReaders::everybody);
 }
 
 }  // namespace canopus::cli

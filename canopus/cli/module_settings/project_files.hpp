@@ -1,5 +1,5 @@
 #pragma once
-// Projects of modules on the disk: read and written whole, and the list of the last ten.
+// Projects of modules on the disk: read and written whole.
 
 #include <expected>
 #include <functional>
@@ -49,11 +49,5 @@ class ChangingProject {
   store::ChangeSets changes_;
   store::FolderLock lock_;
 };
-
-/// Projects that were made, opened or saved last, the newest first, at most ten [FX3U-CAN 15.1.1]. The list lies in
-/// $XDG_STATE_HOME/canopus, else in ~/.local/state/canopus.
-[[nodiscard]] std::vector<std::string> recent_projects();
-/// Puts a project on top of the list. A list that cannot be written is no error.
-void remember_project(const std::string& path);
 
 }  // namespace canopus::cli

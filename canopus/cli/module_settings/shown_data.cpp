@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/terminal/domain_words.hpp"
+#include "canopus/client/domain_words.hpp"
 #include "canopus/client/sdo_value.hpp"
 
 namespace canopus::cli {
@@ -28,7 +28,7 @@ std::vector<std::pair<std::string_view, std::string>> shown_data(std::span<const
   } else {
     forms.emplace_back("hexadecimal", client::hexadecimal(bytes));
   }
-  forms.emplace_back("ASCII", ascii_of(bytes));
+  forms.emplace_back("ASCII", client::ascii_of(bytes));
   return forms;
 }
 

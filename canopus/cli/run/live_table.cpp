@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "canopus/canopen/service/node_listener.hpp"
-#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/module/interface/event_records.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/text/file_error.hpp"
 
@@ -75,7 +75,7 @@ void LiveTable::warning(std::string_view source, std::string_view message, can::
 
 void LiveTable::module_error(std::string_view, std::string_view source,
                              const module::ModuleErrorRecord& record) {
-  keep({record.at, fmt::format("{}: {}", source, describe(record)), true});
+  keep({record.at, fmt::format("{}: {}", source, plant::describe(record)), true});
 }
 
 void LiveTable::error(std::string_view source, std::string_view message, can::Time now) {

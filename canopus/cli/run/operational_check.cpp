@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/events/event_printer.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -16,7 +16,7 @@ bool same_node(const plant::NodeLabel& a, const plant::NodeLabel& b) {
 }  // namespace
 
 bool all_operational(const std::vector<plant::NodeStatus>& nodes) {
-  return std::ranges::all_of(nodes, in_operation);
+  return std::ranges::all_of(nodes, plant::in_operation);
 }
 
 std::vector<std::string> not_operational(const std::vector<plant::NodeStatus>& nodes,

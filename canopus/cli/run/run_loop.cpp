@@ -15,7 +15,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/events/web_events.hpp"
 #include "canopus/cli/run/client_backpressure.hpp"
 #include "canopus/cli/run/drain_timeout.hpp"
@@ -26,12 +25,12 @@
 #include "canopus/cli/run/run_recording.hpp"
 #include "canopus/cli/run/run_screen.hpp"
 #include "canopus/cli/run/run_summary.hpp"
-#include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/cli/terminal/print.hpp"
-#include "canopus/cli/terminal/silent_pipe.hpp"
 #include "canopus/cli/terminal/stop_signals.hpp"
 #include "canopus/link/bounded_poll.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/plant.hpp"
+#include "canopus/plant/plant_loading.hpp"
 #include "canopus/serve/client_reports.hpp"
 #include "canopus/serve/linked_buses.hpp"
 #include "canopus/serve/real_time.hpp"
@@ -40,6 +39,7 @@
 #include "canopus/serve/step_clock.hpp"
 #include "canopus/text/local_time.hpp"
 #include "canopus/text/text_values.hpp"
+#include "canopus/trace/print/silent_pipe.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -58,9 +58,9 @@ class Run {
         // Where errors go elsewhere than to the terminal, they go there as they come.
         table_(raw_plant_, ::isatty(STDERR_FILENO) != 0 ? nullptr : &standard_error()),
         has_table_(!options.json && !options.quiet && !options.virtual_time && is_terminal(STDOUT_FILENO)),
-        linked_buses_(io_, options.plant, options.virtual_time, wait_in_words(standard_error(), [this] {
-                        return !stop_watch_ || !stop_watch_->came();
-                      })) {
+        linked_buses_(
+            io_, options.plant, options.virtual_time,
+            trace::wait_in_words(standard_error(), [this] { return !stop_watch_ || !stop_watch_->came(); })) {
     if (options.web) web_events_.emplace(printer());
   }
 
@@ -93,8 +93,8 @@ class Run {
   void summarise(can::Duration wall);
 
   const RunOptions& options_;
-  JsonPrinter json_;
-  LinePrinter lines_;
+  plant::JsonPrinter json_;
+  plant::LinePrinter lines_;
   plant::Plant* raw_plant_ = nullptr;
   LiveTable table_;
   bool has_table_;
@@ -327,7 +327,7 @@ bool Run::close_recordings(const OutputQueue::Patience& patience) {
 }
 
 void Run::summarise(can::Duration wall) {
-  RunSummary summary = summary_of(*plant_);
+  plant::RunSummary summary = summary_of(*plant_);
   summary.wall = wall;
   summary.virtual_time = options_.virtual_time;
   summary.largest_lag = largest_lag_;
@@ -344,11 +344,11 @@ void Run::warn() {
 }
 
 int Run::operator()() {
-  plant_ = load_plant(options_.plant, observer(), standard_error(),
-                      {.seed = options_.seed,
-                       .links = options_.links,
-                       .opener = &linked_buses_,
-                       .text = options_.plant_text});
+  plant_ = plant::load_plant(options_.plant, observer(), standard_error(),
+                             {.seed = options_.seed,
+                              .links = options_.links,
+                              .opener = &linked_buses_,
+                              .text = options_.plant_text});
   if (!plant_) return 2;
   raw_plant_ = plant_.get();
   if (auto errors = plant_->open_stores(); !errors.empty()) {

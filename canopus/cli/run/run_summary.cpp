@@ -4,12 +4,12 @@
 
 namespace canopus::cli {
 
-RunSummary summary_of(plant::Plant& plant) {
-  RunSummary summary{.end = plant.timeline().now(),
-                     .nodes = plant.nodes(),
-                     .boots = plant.boots(),
-                     .troubles = plant.troubles(),
-                     .forced = plant.forced()};
+plant::RunSummary summary_of(plant::Plant& plant) {
+  plant::RunSummary summary{.end = plant.timeline().now(),
+                            .nodes = plant.nodes(),
+                            .boots = plant.boots(),
+                            .troubles = plant.troubles(),
+                            .forced = plant.forced()};
   for (std::size_t i = 0; i < plant.bus_count(); ++i) {
     summary.buses.push_back({plant.bus(i).name(), plant.bus(i).load(summary.end)});
   }

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/events/event_printer.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/text/printable.hpp"
 
 namespace canopus::cli {

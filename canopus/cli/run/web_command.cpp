@@ -13,8 +13,8 @@
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/run/run_loop.hpp"
-#include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/plant/plant_loading.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/printable.hpp"
 #include "canopus/text/text_values.hpp"
@@ -65,7 +65,7 @@ std::string plant_without_devices(const std::string& name) {
 bool has_devices(const std::string& text, const std::string& list) {
   class : public plant::PlantObserver {
   } no_observer;
-  if (load_plant(list, no_observer, standard_error(), {.text = text}) != nullptr) return true;
+  if (plant::load_plant(list, no_observer, standard_error(), {.text = text}) != nullptr) return true;
   print_error("canopus web: {}: the nodes of the project are not simulated; the page shows what is wrong",
               list);
   return false;

@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/setups/user_state.hpp"
 #include "canopus/store/files.hpp"
 #include "canopus/store/folder_lock.hpp"
+#include "canopus/store/user_state.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/nearest_word.hpp"
 #include "canopus/text/printable.hpp"
@@ -108,7 +108,7 @@ std::string take_line(std::string_view text, TransferSetups& setups) {
 }
 
 fs::path setups_file() {
-  const fs::path folder = user_state_folder();
+  const fs::path folder = store::user_state_folder();
   return folder.empty() ? folder : folder / "transfer-setups";
 }
 
@@ -216,7 +216,7 @@ std::expected<void, SetupTrouble> change_transfer_setups(
   }
   std::string text;
   for (const auto& [name, setup] : *setups) text += line_of(name, setup);
-  if (std::string why = write_whole(path, text, FileReaders::owner); !why.empty())
+  if (std::string why = store::write_whole(path, text, store::FileReaders::owner); !why.empty())
     return cannot(std::move(why));
   return {};
 }

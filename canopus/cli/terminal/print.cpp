@@ -5,10 +5,8 @@
 #include <cstdlib>
 #include <functional>
 #include <system_error>
-#include <vector>
 
 #include <fcntl.h>
-#include <fmt/args.h>
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -80,38 +78,6 @@ void write_to_terminal(std::string_view text) {
 
 }  // namespace
 
-void LineArgument::set_line(const Line& line) { value_ = Safe{&line.text()}; }
-
-Line& Line::add_formatted(std::string_view format, std::span<const LineArgument> arguments) {
-  fmt::dynamic_format_arg_store<fmt::format_context> values;
-  values.reserve(arguments.size(), 0);
-  std::vector<std::string> texts;  // the values refer to them
-  texts.reserve(arguments.size());
-  for (const LineArgument& argument : arguments) {
-    std::visit(
-        [&values, &texts]<typename T>(const T& value) {
-          if constexpr (std::is_same_v<T, LineArgument::Safe>) {
-            values.push_back(std::cref(*value.text));
-          } else if constexpr (std::is_same_v<T, std::string_view>) {
-            values.push_back(std::cref(texts.emplace_back(text::printable(value))));
-          } else if constexpr (std::is_same_v<T, char>) {
-            values.push_back(std::cref(texts.emplace_back(text::printable({&value, 1}))));
-          } else {
-            values.push_back(value);
-          }
-        },
-        argument.value_);
-  }
-  fmt::vformat_to(std::back_inserter(text_), fmt::string_view(format.data(), format.size()), values);
-  return *this;
-}
-
-Line paint(std::string_view text, std::string_view code, bool colour) {
-  Line line;
-  line.text_ = colour ? fmt::format("\x1b[{}m{}\x1b[0m", code, text::printable(text)) : text::printable(text);
-  return line;
-}
-
 bool is_terminal(int descriptor) {
   const char* terminal = std::getenv("TERM");
   return isatty(descriptor) != 0 && terminal != nullptr && std::string_view(terminal) != "dumb";
@@ -121,10 +87,6 @@ bool wants_colour(int descriptor) {
   const char* refused = std::getenv("NO_COLOR");  // no-color.org: set and not empty
   return (refused == nullptr || *refused == '\0') && is_terminal(descriptor);
 }
-
-void Output::line(const Line& line) { write(line.text() + '\n'); }
-
-void Output::json(const text::Json& object) { write(text::printable_json(object.dump()) + '\n'); }
 
 OutputFailed::OutputFailed(int error)
     : std::runtime_error(error == EINTR

@@ -4,7 +4,7 @@
 
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
-#include "canopus/cli/terminal/silent_pipe.hpp"
+#include "canopus/trace/print/silent_pipe.hpp"
 
 namespace canopus::cli {
 
@@ -20,7 +20,7 @@ void add_format_option(Command& command, const std::string& option, std::string&
 std::optional<TraceInputFile> TraceInputFile::open(const std::string& path, const std::string& format,
                                                    Output& err, std::function<bool()> goes_on) {
   auto reader =
-      trace::open_trace(path, trace::format_of_name(format), wait_in_words(err, std::move(goes_on)));
+      trace::open_trace(path, trace::format_of_name(format), trace::wait_in_words(err, std::move(goes_on)));
   if (!reader) {
     err.line("canopus: {}", reader.error());
     return std::nullopt;

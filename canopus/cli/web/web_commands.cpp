@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/text/file_text.hpp"
 #include "canopus/text/nearest_word.hpp"
 #include "canopus/text/printable.hpp"
@@ -75,7 +75,7 @@ std::int64_t WebCommands::armed_seconds() const {
 }
 
 WebCommands::Json WebCommands::event_of(std::uint32_t id) const {
-  Json event = event_line(use_.now(), "reply");
+  Json event = plant::event_line(use_.now(), "reply");
   event["id"] = id;
   return event;
 }

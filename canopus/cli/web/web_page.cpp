@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/events/node_detail_view.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/serve/web/web_secret.hpp"
 #include "canopus/serve/web/web_users.hpp"
 #include "canopus/text/printable.hpp"
@@ -249,7 +249,7 @@ void WebPage::write(const serve::WebUser& user, const std::string& what, int cod
     if (const std::string trouble = audit_->take_trouble(); !trouble.empty() && report_) report_(trouble);
   }
   if (role == serve::WebRole::look) return;
-  text::Json event = event_line(now, "audit");
+  text::Json event = plant::event_line(now, "audit");
   event["user"] = user.name;
   event["role"] = name_of(user.role);
   event["address"] = user.address;

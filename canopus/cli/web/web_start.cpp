@@ -9,6 +9,7 @@
 
 #include "canopus/cli/module_settings/project_files.hpp"
 #include "canopus/cli/web/example_files.hpp"
+#include "canopus/module_settings/recent_projects.hpp"
 #include "canopus/text/file_text.hpp"
 #include "canopus/text/printable.hpp"
 
@@ -125,7 +126,7 @@ WebStart::Json WebStart::recent() const {
   Json paths = Json::array();
   std::error_code error;
   const fs::path top = fs::weakly_canonical(folder_, error);
-  for (const std::string& path : recent_projects()) {
+  for (const std::string& path : module_settings::recent_projects()) {
     const fs::path real = fs::weakly_canonical(path, error);
     const bool is_below = !error && std::ranges::mismatch(top, real).in1 == top.end();
     const bool is_there = fs::is_regular_file(path, error) && path.ends_with(".xml");

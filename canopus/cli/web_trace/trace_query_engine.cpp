@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/analysis/message_printer.hpp"
-#include "canopus/cli/analysis/statistics_json.hpp"
 #include "canopus/text/base64.hpp"
 #include "canopus/trace/file/file_format.hpp"
+#include "canopus/trace/print/message_printer.hpp"
+#include "canopus/trace/print/statistics_json.hpp"
 
 namespace canopus::cli {
 
@@ -75,7 +75,7 @@ std::expected<TraceQueryEngine::Query*, std::string> TraceQueryEngine::query(con
     std::rotate(queries_.begin(), found, std::next(found));
     return &queries_.front();
   }
-  auto expression = FilterExpression::parse(filter);
+  auto expression = trace::FilterExpression::parse(filter);
   if (!expression) return std::unexpected(expression.error());
   if (queries_.size() >= most_queries) queries_.pop_back();
   queries_.push_front(
@@ -173,7 +173,7 @@ TraceQueryEngine::Json TraceQueryEngine::look_at_statistics() {
   if (counted_ < store_.end())
     event["progress"] = 1 - static_cast<double>(store_.end() - counted_) / static_cast<double>(all);
   event["begin"] = can::seconds(shown.begin());
-  Json figures = to_json(shown, 0);
+  Json figures = trace::to_json(shown, 0);
   std::size_t place = 0;
   for (const auto& [number, channel] : shown.channels()) {
     Json& one = figures["channels"][place++];
@@ -195,7 +195,7 @@ TraceQueryEngine::Answer TraceQueryEngine::export_part(const text::Json& wish) {
     if (!format || *format == trace::FileFormat::blf) {
       return std::unexpected("\"format\" is to be candump, pcapng, pcap, asc, trc or csv");
     }
-    auto filter = FilterExpression::parse(text_of(wish, "filter"));
+    auto filter = trace::FilterExpression::parse(text_of(wish, "filter"));
     if (!filter) return std::unexpected(filter.error());
     export_.emplace(Export{.filter = std::move(*filter),
                            .encoder = trace::TraceEncoder(*format),
@@ -218,7 +218,7 @@ TraceQueryEngine::Answer TraceQueryEngine::export_part(const text::Json& wish) {
     if (!is_wanted) {
       file.decoder->receive(record, bus, [&](const Message& message) {
         is_wanted = is_wanted || file.filter.wants(message, bus, message.time.time_since_epoch(),
-                                                   [&] { return searched_text(message, bus); });
+                                                   [&] { return trace::searched_text(message, bus); });
       });
     }
     if (!is_wanted) continue;

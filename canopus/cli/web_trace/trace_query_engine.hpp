@@ -71,7 +71,7 @@ class TraceQueryEngine {
     std::uint64_t asked = 0;  // number of the look
   };
   struct Export {
-    FilterExpression filter{};
+    trace::FilterExpression filter{};
     trace::TraceEncoder encoder;
     std::unique_ptr<trace::Decoder> decoder{};
     std::uint64_t part = 0;

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/analysis/message_printer.hpp"
 #include "canopus/text/json.hpp"
+#include "canopus/trace/print/message_printer.hpp"
 
 namespace canopus::cli {
 
@@ -32,7 +32,7 @@ std::string hex_digits(std::span<const std::uint8_t> bytes) {
 }
 
 TraceRows::TraceRows(const trace::Names& names, const std::vector<std::string>& buses,
-                     FilterExpression filter, bool folded)
+                     trace::FilterExpression filter, bool folded)
     : buses_(buses), filter_(std::move(filter)), decoder_(names, {.frames = !folded, .transfers = folded}) {}
 
 void TraceRows::work(const TraceStore& store, std::size_t count) {
@@ -49,11 +49,11 @@ void TraceRows::take(const Message& message, std::uint64_t record) {
   const std::string& bus = buses_[message.channel];
   const Head head{.bus = message.channel,
                   .service = message.service,
-                  .what = service_text(message),
+                  .what = trace::service_text(message),
                   .node = message.node,
                   .node_name = message.node_name,
-                  .object = object_text(message)};
-  const auto line = [&] { return searched_text(message, bus); };
+                  .object = trace::object_text(message)};
+  const auto line = [&] { return trace::searched_text(message, bus); };
   if (!filter_.wants_all() && !filter_.wants(message, bus, message.time.time_since_epoch(), line)) return;
   Block& last = block_for_next();
   const auto [shared, is_new] = last.heads.insert(head);

@@ -9,17 +9,17 @@
 #include <string_view>
 #include <vector>
 
-#include "canopus/cli/analysis/filter_expression.hpp"
 #include "canopus/cli/web_trace/trace_store.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/trace/decode/decoder.hpp"
+#include "canopus/trace/filter/filter_expression.hpp"
 
 namespace canopus::cli {
 
 class TraceRows {
  public:
   /// `buses`: their names, by channel. `folded`: an SDO transfer is one line, that of its end.
-  TraceRows(const trace::Names& names, const std::vector<std::string>& buses, FilterExpression filter,
+  TraceRows(const trace::Names& names, const std::vector<std::string>& buses, trace::FilterExpression filter,
             bool folded);
 
   /// Decodes up to `count` frames more. What the store has forgotten is forgotten here, too.
@@ -80,7 +80,7 @@ class TraceRows {
   void forget(std::uint64_t first_record);
 
   std::vector<std::string> buses_;
-  FilterExpression filter_;
+  trace::FilterExpression filter_;
   trace::Decoder decoder_;
   std::deque<Block> blocks_;       // all but the last are full
   std::size_t bytes_ = 0;          // of all blocks but the last ...

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "canopus/trace/filter/message_filter.hpp"
+
+namespace canopus::cli {
+
+class Command;
+
+/// --filter, --only-node, --service, --object, --id; --channel, --from and --to where `of_file`.
+void add_filter_options(Command& command, trace::FilterOptions& options, bool of_file);
+
+}  // namespace canopus::cli

@@ -1,0 +1,66 @@
+#pragma once
+// Which messages of a trace a person wants to see.
+
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/can/time.hpp"
+#include "canopus/text/output.hpp"
+#include "canopus/trace/decode/message.hpp"
+
+namespace canopus::trace {
+
+struct FilterOptions {
+  std::vector<std::string> nodes{};
+  std::vector<std::string> services{};
+  std::vector<std::string> objects{};
+  std::vector<std::string> identifiers{};
+  std::vector<std::string> channels{};
+  std::string from{};
+  std::string to{};
+  std::string expression{};  ///< filter_expression.hpp
+};
+
+/// What stands before a value in the sentence about a mistake.
+struct FilterNames {
+  std::string_view node = "--only-node ";
+  std::string_view service = "--service ";
+  std::string_view object = "--object: ";
+  std::string_view identifier = "--id ";
+  std::string_view from = "--from: ";
+  std::string_view to = "--to: ";
+};
+
+class MessageFilter {
+ public:
+  /// The error is a sentence without "canopus: ".
+  [[nodiscard]] static std::expected<MessageFilter, std::string> read(const FilterOptions& options,
+                                                                      const FilterNames& names = {});
+  /// Nothing after a mistake was printed on `err`.
+  [[nodiscard]] static std::optional<MessageFilter> make(const FilterOptions& options, text::Output& err);
+
+  /// `since`: from the first record of the trace on. Channels are ChannelChoice's.
+  [[nodiscard]] bool wants(const Message& message, can::Duration since) const;
+  /// Nothing after this moment is wanted.
+  [[nodiscard]] bool is_over(can::Duration since) const { return to_ && since > *to_; }
+
+ private:
+  struct Object {
+    std::uint16_t index = 0;
+    std::optional<std::uint8_t> sub{};
+  };
+  [[nodiscard]] bool has_object(const Message& message) const;
+
+  std::vector<unsigned> nodes_;
+  std::vector<Service> services_;
+  std::vector<Object> objects_;
+  std::vector<std::uint32_t> identifiers_;
+  std::optional<can::Duration> from_;
+  std::optional<can::Duration> to_;
+};
+
+}  // namespace canopus::trace
