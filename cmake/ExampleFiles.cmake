@@ -1,5 +1,5 @@
 # cmake -D FOLDER=... -D OUTPUT=... -P ExampleFiles.cmake: writes the first plant and its device files as the source file OUTPUT
-# (canopus/cli/web/example_files.hpp).
+# (canopus/web/commands/example_files.hpp).
 file(GLOB files RELATIVE ${FOLDER} ${FOLDER}/first-plant/plant.toml ${FOLDER}/devices/*.eds)
 set(arrays "")
 set(rows "")
@@ -12,9 +12,9 @@ foreach(file IN LISTS files)
   string(APPEND arrays "constexpr unsigned char ${name}[] = {${bytes}0};\n")
   string(APPEND rows "    {\"${file}\", {reinterpret_cast<const char*>(${name}), sizeof(${name}) - 1}},\n")
 endforeach()
-file(WRITE ${OUTPUT}.new "#include \"canopus/cli/web/example_files.hpp\"
+file(WRITE ${OUTPUT}.new "#include \"canopus/web/commands/example_files.hpp\"
 
-namespace canopus::cli {
+namespace canopus::web {
 namespace {
 ${arrays}const ExampleFile example_file_table[] = {
 ${rows}};
@@ -22,7 +22,7 @@ ${rows}};
 
 std::span<const ExampleFile> example_files() noexcept { return example_file_table; }
 
-}  // namespace canopus::cli
+}  // namespace canopus::web
 ")
 file(COPY_FILE ${OUTPUT}.new ${OUTPUT})
 file(REMOVE ${OUTPUT}.new)

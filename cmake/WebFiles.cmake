@@ -1,5 +1,5 @@
 # cmake -D FOLDER=... -D OUTPUT=... -P WebFiles.cmake: writes the files of the page in FOLDER as the source file OUTPUT
-# (canopus/serve/web/web_files.hpp).
+# (canopus/web/http/files.hpp).
 set(type_html "text/html; charset=utf-8")
 set(type_css "text/css; charset=utf-8")
 set(type_js "text/javascript; charset=utf-8")
@@ -20,9 +20,9 @@ foreach(file IN LISTS files)
   string(APPEND rows "    {\"/${file}\", \"${type_${ending}}\", "
          "{reinterpret_cast<const char*>(${name}), sizeof(${name}) - 1}},\n")
 endforeach()
-file(WRITE ${OUTPUT}.new "#include \"canopus/serve/web/web_files.hpp\"
+file(WRITE ${OUTPUT}.new "#include \"canopus/web/http/files.hpp\"
 
-namespace canopus::serve {
+namespace canopus::web {
 namespace {
 ${arrays}const WebFile web_files[] = {
 ${rows}};
@@ -35,7 +35,7 @@ const WebFile* find_web_file(std::string_view path) noexcept {
   return nullptr;
 }
 
-}  // namespace canopus::serve
+}  // namespace canopus::web
 ")
 file(COPY_FILE ${OUTPUT}.new ${OUTPUT})
 file(REMOVE ${OUTPUT}.new)

@@ -8,20 +8,20 @@
 #include <string>
 #include <string_view>
 
-#include "canopus/cli/web/web_arguments.hpp"
-#include "canopus/serve/web/client_message.hpp"
 #include "canopus/text/json.hpp"
+#include "canopus/web/commands/arguments.hpp"
+#include "canopus/web/server/client_message.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace canopus;
-  const auto wish = serve::parse_client_message({reinterpret_cast<const char*>(data), size});
+  const auto wish = web::parse_client_message({reinterpret_cast<const char*>(data), size});
   if (!wish || !wish->command) return 0;
-  const cli::WebBus bus{
+  const web::WebBus bus{
       .name = "a", .project = "PROJECT", .network = 2, .address = "BUS", .device_files = {"EDS"}};
-  const cli::WebSettings settings{.file = "SETTINGS", .model = "RJ71CN91", .plc = {"--host=HOST"}};
+  const web::WebSettings settings{.file = "SETTINGS", .model = "RJ71CN91", .plc = {"--host=HOST"}};
   const auto said = text::parse_json(wish->command->text).value();
   const bool is_of_settings = said.is_object() && said.contains("settings");
-  const auto line = is_of_settings ? cli::web_command_line(said, settings) : cli::web_command_line(said, bus);
+  const auto line = is_of_settings ? web::web_command_line(said, settings) : web::web_command_line(said, bus);
   if (!line) {
     if (line.error().empty()) std::abort();
     return 0;
@@ -40,6 +40,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (std::ranges::count_if(words.begin(), end,
                             [](const std::string& word) { return word.starts_with("--bus="); }) > 1)
     std::abort();
-  if (cli::shown_command(words).empty()) std::abort();
+  if (web::shown_command(words).empty()) std::abort();
   return 0;
 }

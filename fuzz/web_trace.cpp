@@ -6,14 +6,14 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "canopus/cli/web_trace/trace_query_engine.hpp"
 #include "canopus/text/json.hpp"
+#include "canopus/web/trace/query_engine.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace canopus;
   if (size < 1) return 0;
   const std::size_t frames = std::min<std::size_t>(data[0], (size - 1) / 11);
-  cli::TraceQueryEngine desk({.names = {}, .buses = {"a", "b"}, .bit_rates = {500'000, 125'000}, .most = 64});
+  web::TraceQueryEngine desk({.names = {}, .buses = {"a", "b"}, .bit_rates = {500'000, 125'000}, .most = 64});
   const std::uint8_t* at = data + 1;
   for (std::size_t i = 0; i < frames; ++i, at += 11) {
     trace::TraceRecord record{.time = can::Time{} + std::chrono::milliseconds(i),

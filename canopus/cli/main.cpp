@@ -4,10 +4,10 @@
 
 #include "canopus/cli/command_line.hpp"
 #include "canopus/cli/terminal/print.hpp"
-#include "canopus/cli/web/parent_process.hpp"
+#include "canopus/web/commands/parent_process.hpp"
 
 int main(int argc, char** argv) {
-  canopus::cli::end_with_parent();
+  canopus::web::end_with_parent();
   canopus::cli::reserve_standard_descriptors();
   try {
     return canopus::cli::run_command_line(std::vector<std::string>(argv + 1, argv + argc));

@@ -41,10 +41,10 @@ WORDS = {
 def values_of_the_communication_profile_in_words():
     if not shutil.which("node"):
         raise Skip("node is not installed")
-    script = (f'import {{ words_of }} from {json.dumps(str(ROOT / "canopus/serve/web/page/value_words.js"))};'
+    script = (f'import {{ words_of }} from {json.dumps(str(ROOT / "canopus/web/page/value_words.js"))};'
               f"console.log(JSON.stringify({json.dumps([list(key) for key in WORDS])}.map(([object, value]) => words_of(object, value))));")
     said = json.loads(command("node", "--input-type=module", "--eval", script).stdout)
-    script = (f'import {{ value_text }} from {json.dumps(str(ROOT / "canopus/serve/web/page/value_words.js"))};'
+    script = (f'import {{ value_text }} from {json.dumps(str(ROOT / "canopus/web/page/value_words.js"))};'
               'console.log([value_text("1400:01", 0x80000183), value_text("1A00:01", 7), value_text("1A00:00", 2), value_text("1017:00", 500),'
               ' value_text("1018:02", 0x402), value_text("1800:01", "$NODEID+0x180"), value_text("1017:00", null)].join("|"));')
     texts = command("node", "--input-type=module", "--eval", script).stdout.strip()
@@ -69,7 +69,7 @@ def faults_that_act_are_shown_whatever_somebody_edits():
         ([{"text": drop, "on": True}, {"text": jam, "on": False}], [], {"says": ["not yet run", "off"], "left": []}),
         ([], [], {"says": [], "left": []}),
     ]
-    script = (f'import {{ fault_rows }} from {json.dumps(str(ROOT / "canopus/serve/web/page/fault_rows.js"))};'
+    script = (f'import {{ fault_rows }} from {json.dumps(str(ROOT / "canopus/web/page/fault_rows.js"))};'
               f"console.log(JSON.stringify({json.dumps([case[:2] for case in cases])}.map(([edited, acting]) => fault_rows(edited, acting))));")
     said = json.loads(command("node", "--input-type=module", "--eval", script).stdout)
     for (edited, _, words), shown in zip(cases, said, strict=True):
@@ -130,7 +130,7 @@ def events_in_words():
     require({"boot", "lift", "summary"} <= kinds, kinds)
     # Those without a sentence of their own would begin with their kind and a colon.
     bare = [{"t": 1, "event": kind} for kind in sorted(kinds - {"load"})]
-    script = (f'import {{ sentence, event_mood }} from {json.dumps(str(ROOT / "canopus/serve/web/page/words.js"))};'
+    script = (f'import {{ sentence, event_mood }} from {json.dumps(str(ROOT / "canopus/web/page/words.js"))};'
               f"console.log(JSON.stringify([{json.dumps([event for event, _ in EVENTS])}.map(sentence), {json.dumps(bare)}.map(sentence), {json.dumps([event for event, _ in EVENTS])}.map(event_mood)]));")
     said, of_kinds, moods = json.loads(command("node", "--input-type=module", "--eval", script).stdout)
     for (event, words), shown, mood in zip(EVENTS, said, moods, strict=True):

@@ -181,7 +181,7 @@ std::string PlantServers::address_for_commands(std::size_t bus) const {
 }
 
 /// Options for the PLC that has such a module, at its head address if there are several; empty: none has.
-std::vector<std::string> PlantServers::way_to_plc(const WebSettings& settings) const {
+std::vector<std::string> PlantServers::way_to_plc(const web::WebSettings& settings) const {
   const MelsecWay* found = nullptr;
   for (const auto& [plc, way] : melsec_ways_) {
     for (const plant::ModuleSection& module : plant_.plc_section(plc).modules) {
@@ -200,8 +200,8 @@ std::vector<std::string> PlantServers::way_to_plc(const WebSettings& settings) c
   return way;
 }
 
-std::vector<WebSettings> PlantServers::settings_for_page() const {
-  std::vector<WebSettings> all = use_.web_settings;
+std::vector<web::WebSettings> PlantServers::settings_for_page() const {
+  std::vector<web::WebSettings> all = use_.web_settings;
   std::vector<std::string> device_files;
   const std::filesystem::path folder = std::filesystem::path(plant_.file().path).parent_path();
   for (const plant::DeviceSection& device : plant_.file().devices) {
@@ -209,7 +209,7 @@ std::vector<WebSettings> PlantServers::settings_for_page() const {
     if (!device.eds.empty() && std::ranges::find(device_files, file) == device_files.end())
       device_files.push_back(file);
   }
-  for (WebSettings& one : all) {
+  for (web::WebSettings& one : all) {
     if (!one.plc.empty()) continue;
     one.plc = way_to_plc(one);
     one.device_files = device_files;
@@ -223,7 +223,7 @@ std::vector<WebSettings> PlantServers::settings_for_page() const {
 
 bool PlantServers::open_web() {
   if (use_.web_events == nullptr) return true;
-  std::vector<WebBus> buses;
+  std::vector<web::WebBus> buses;
   // A page of module settings alone has none: the run's own bus is nobody's.
   const bool has_buses =
       !use_.web_project || !use_.web_project->project.empty() || !use_.web_project->start.empty();
@@ -252,7 +252,7 @@ bool PlantServers::open_web() {
   return true;
 }
 
-WebPace pace_of(serve::RealTime& clock) {
+web::WebPace pace_of(serve::RealTime& clock) {
   return {.speed = [&clock] { return clock.speed(); },
           .set_speed = [&clock](double speed, can::Duration time) { clock.set_speed(speed, time); }};
 }

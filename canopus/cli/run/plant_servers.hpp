@@ -12,7 +12,6 @@
 
 #include <boost/asio/io_context.hpp>
 
-#include "canopus/cli/web/web_page.hpp"
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/link/peer.hpp"
 #include "canopus/link/socketcand_server.hpp"
@@ -26,6 +25,7 @@
 #include "canopus/serve/real_time.hpp"
 #include "canopus/serve/run_control.hpp"
 #include "canopus/text/text_values.hpp"
+#include "canopus/web/web_page.hpp"
 
 namespace canopus::cli {
 
@@ -40,12 +40,12 @@ class PlantServers {
     bool control = false;     ///< control also without the plant file's key, on a free port of this machine
     /// The page in the browser: where, and what it shows. Without events there is none.
     text::HostAndPort web{};
-    WebEvents* web_events = nullptr;
-    std::optional<WebProject> web_project{};
+    web::WebEvents* web_events = nullptr;
+    std::optional<web::WebProject> web_project{};
     /// Module settings that the page edits; those without a PLC get the plant's that has such a module.
-    std::vector<WebSettings> web_settings{};
-    WebAccess web_access{};
-    WebPace web_pace{};
+    std::vector<web::WebSettings> web_settings{};
+    web::WebAccess web_access{};
+    web::WebPace web_pace{};
     serve::PlantRuns::Order order = serve::PlantRuns::Order::side_by_side;
   };
 
@@ -79,8 +79,8 @@ class PlantServers {
   bool open_control();
   bool open_socketcand(std::size_t bus);
   [[nodiscard]] std::string address_for_commands(std::size_t bus) const;
-  [[nodiscard]] std::vector<std::string> way_to_plc(const WebSettings& settings) const;
-  [[nodiscard]] std::vector<WebSettings> settings_for_page() const;
+  [[nodiscard]] std::vector<std::string> way_to_plc(const web::WebSettings& settings) const;
+  [[nodiscard]] std::vector<web::WebSettings> settings_for_page() const;
   bool open_web();
   bool opened(const std::expected<void, std::string>& result, std::string_view protocol, std::string_view of,
               const text::HostAndPort& place, std::uint16_t port);
@@ -99,12 +99,12 @@ class PlantServers {
   std::map<std::size_t, MelsecWay> melsec_ways_;  // by PLC
   std::vector<std::unique_ptr<serve::ModbusServer>> modbus_;
   std::optional<serve::ControlServer> control_;
-  std::optional<WebPage> web_;
+  std::optional<web::WebPage> web_;
 };
 
 /// As a programming tool sets them: the clocks of all CPUs to the time of day where the machine is.
 void set_cpu_clocks(plant::Plant& plant);
 /// For a plant without a bus outside. `clock` must outlive it.
-[[nodiscard]] WebPace pace_of(serve::RealTime& clock);
+[[nodiscard]] web::WebPace pace_of(serve::RealTime& clock);
 
 }  // namespace canopus::cli

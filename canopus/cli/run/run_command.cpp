@@ -9,7 +9,8 @@
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/options/real_time_option.hpp"
 #include "canopus/cli/run/run_loop.hpp"
-#include "canopus/cli/web/web_access.hpp"
+#include "canopus/cli/run/web_access_options.hpp"
+#include "canopus/cli/run/web_settings.hpp"
 #include "canopus/text/text_values.hpp"
 #include "canopus/trace/file/trace_file.hpp"
 

@@ -15,7 +15,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "canopus/cli/events/web_events.hpp"
 #include "canopus/cli/run/client_backpressure.hpp"
 #include "canopus/cli/run/drain_timeout.hpp"
 #include "canopus/cli/run/live_table.hpp"
@@ -40,6 +39,7 @@
 #include "canopus/text/local_time.hpp"
 #include "canopus/text/text_values.hpp"
 #include "canopus/trace/print/silent_pipe.hpp"
+#include "canopus/web/state/events.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -75,7 +75,7 @@ class Run {
   }
   void warn();
   bool open_recordings();
-  [[nodiscard]] PlantServers::Use server_use(serve::PlantRuns::Order order, WebPace pace = {});
+  [[nodiscard]] PlantServers::Use server_use(serve::PlantRuns::Order order, web::WebPace pace = {});
   link::ClientReport report_of(std::string source);
   void show_connections();
   bool run_in_real_time();
@@ -98,7 +98,7 @@ class Run {
   plant::Plant* raw_plant_ = nullptr;
   LiveTable table_;
   bool has_table_;
-  std::optional<WebEvents> web_events_;
+  std::optional<web::WebEvents> web_events_;
   // Other threads post to it and do nothing else with what lives on it: no lock for each descriptor.
   asio::io_context io_{BOOST_ASIO_CONCURRENCY_HINT_UNSAFE_IO};
   serve::LinkedBuses linked_buses_;
@@ -134,7 +134,7 @@ void Run::show_server(std::string_view protocol, std::string_view of, const std:
   }
 }
 
-PlantServers::Use Run::server_use(serve::PlantRuns::Order order, WebPace pace) {
+PlantServers::Use Run::server_use(serve::PlantRuns::Order order, web::WebPace pace) {
   return {.opened = [this](std::string_view protocol, std::string_view of,
                            const std::string& address) { show_server(protocol, of, address); },
           .report = [this](std::string source) { return report_of(std::move(source)); },
@@ -181,7 +181,7 @@ bool Run::run_in_real_time() {
   const bool is_alone = linked_buses_.empty() && !options_.real_time;
   PlantServers servers(
       io_, *plant_, clock,
-      server_use(serve::PlantRuns::Order::side_by_side, is_alone ? pace_of(clock) : WebPace{}));
+      server_use(serve::PlantRuns::Order::side_by_side, is_alone ? pace_of(clock) : web::WebPace{}));
   if (!servers.open()) return false;
   if (!has_table_) show_connections();
   set_cpu_clocks(*plant_);

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "canopus/can/time.hpp"
-#include "canopus/cli/web/web_page.hpp"
 #include "canopus/serve/real_time_thread.hpp"
 #include "canopus/text/text_values.hpp"
+#include "canopus/web/web_page.hpp"
 
 namespace canopus::cli {
 
@@ -25,10 +25,10 @@ struct RunOptions {
   bool step = false;        ///< in virtual time: with servers, and time moves only when a client wants it to
   bool free_ports = false;  ///< every server takes a free port instead of the plant file's
   std::optional<text::HostAndPort>
-      web{};               ///< the page in the browser; port 0: a free one. In real time alone
-  WebAccess web_access{};  ///< who may use the page
-  std::vector<WebSettings> web_settings{};  ///< module settings that the page edits
-  std::optional<WebProject> web_project{};  ///< what the page edits, in place of projects of the plant
+      web{};                    ///< the page in the browser; port 0: a free one. In real time alone
+  web::WebAccess web_access{};  ///< who may use the page
+  std::vector<web::WebSettings> web_settings{};  ///< module settings that the page edits
+  std::optional<web::WebProject> web_project{};  ///< what the page edits, in place of projects of the plant
   std::optional<std::uint64_t> seed{};
   /// In virtual time: on so many threads at most. 0: as many as the machine has. The output does not depend on it.
   std::size_t threads = 0;

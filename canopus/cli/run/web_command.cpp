@@ -13,6 +13,8 @@
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/run/run_loop.hpp"
+#include "canopus/cli/run/web_access_options.hpp"
+#include "canopus/cli/run/web_settings.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/plant/plant_loading.hpp"
 #include "canopus/text/json.hpp"
@@ -30,7 +32,7 @@ struct WebArguments {
   std::vector<std::string> device_files;
   std::string listen;
   PlcArguments plc;  // of a module project
-  WebAccess access;
+  web::WebAccess access;
   std::string duration;
   bool json = false;
   bool quiet = false;
@@ -90,7 +92,7 @@ int run_start(const WebArguments& arguments) {
     return 1;
   }
   RunOptions options{.plant = "canopus", .plant_text = plant_without_devices("Canopus")};
-  options.web_project = WebProject{.start = folder};
+  options.web_project = web::WebProject{.start = folder};
   return run_page(arguments, std::move(options));
 }
 
@@ -126,7 +128,7 @@ int run_settings(const WebArguments& arguments) {
   }
   settings->is_live = true;
   RunOptions options{.plant = arguments.project, .plant_text = plant_without_devices(arguments.project)};
-  options.web_project = WebProject{};
+  options.web_project = web::WebProject{};
   options.web_settings = {std::move(*settings)};
   return run_page(arguments, std::move(options));
 }
@@ -152,7 +154,7 @@ int run_project(const WebArguments& arguments) {
   if (with_devices) with_devices = has_devices(plant_text(arguments, *project, list, true), list);
   RunOptions options{.plant = list, .plant_text = plant_text(arguments, *project, list, with_devices)};
   // The project's own folder has its DCFs, which are device files, too.
-  options.web_project = WebProject{
+  options.web_project = web::WebProject{
       .project = arguments.project, .network = arguments.network, .device_files = arguments.device_files};
   if (options.web_project->device_files.empty())
     options.web_project->device_files = {folder->folder().string()};

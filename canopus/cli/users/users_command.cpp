@@ -14,8 +14,8 @@
 #include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/cli/users/password_input.hpp"
-#include "canopus/serve/web/web_password.hpp"
 #include "canopus/text/json.hpp"
+#include "canopus/web/access/password.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -44,13 +44,13 @@ std::pair<std::size_t, std::size_t> place_of_line(std::string_view text, std::si
 }
 
 /// The accounts, and the one of this name.
-std::expected<std::optional<serve::WebAccount>, std::string> find_user(const std::string& text,
-                                                                       const std::string& file,
-                                                                       std::string_view name) {
-  const auto accounts = serve::parse_web_users(text, file);
+std::expected<std::optional<web::WebAccount>, std::string> find_user(const std::string& text,
+                                                                     const std::string& file,
+                                                                     std::string_view name) {
+  const auto accounts = web::parse_web_users(text, file);
   if (!accounts) return std::unexpected(accounts.error());
-  const auto found = std::ranges::find(*accounts, name, &serve::WebAccount::name);
-  return found == accounts->end() ? std::optional<serve::WebAccount>() : *found;
+  const auto found = std::ranges::find(*accounts, name, &web::WebAccount::name);
+  return found == accounts->end() ? std::optional<web::WebAccount>() : *found;
 }
 
 int write(const std::string& file, const std::string& text) {
@@ -66,7 +66,7 @@ std::expected<std::string, std::string> text_before(const std::string& file) {
   std::error_code failure;
   const auto found = std::filesystem::symlink_status(file, failure);
   if (found.type() == std::filesystem::file_type::not_found) return std::string();
-  return serve::read_web_users_text(file);
+  return web::read_web_users_text(file);
 }
 
 int add_user(const UsersArguments& arguments) {
@@ -80,9 +80,9 @@ int add_user(const UsersArguments& arguments) {
   }
   const auto password = read_password(arguments.name);
   if (!password) return fail(password.error());
-  auto hash = serve::hash_of(*password);
+  auto hash = web::hash_of(*password);
   if (!hash) return fail(hash.error());
-  const auto role = serve::parse_web_role(arguments.role);
+  const auto role = web::parse_web_role(arguments.role);
   const auto changed =
       with_user(*text, arguments.file, {.name = arguments.name, .role = *role, .hash = std::move(*hash)},
                 arguments.replaces);
@@ -91,7 +91,7 @@ int add_user(const UsersArguments& arguments) {
 }
 
 int remove_user(const UsersArguments& arguments) {
-  const auto text = serve::read_web_users_text(arguments.file);
+  const auto text = web::read_web_users_text(arguments.file);
   if (!text) return fail(text.error());
   const auto changed = without_user(*text, arguments.file, arguments.name);
   if (!changed) return fail(changed.error());
@@ -99,9 +99,9 @@ int remove_user(const UsersArguments& arguments) {
 }
 
 int list_users(const UsersArguments& arguments) {
-  const auto users = serve::read_web_users(arguments.file);
+  const auto users = web::read_web_users(arguments.file);
   if (!users) return fail(users.error());
-  for (const serve::WebAccount& user : *users) {
+  for (const web::WebAccount& user : *users) {
     if (arguments.json) {
       print_json({{"name", user.name}, {"role", name_of(user.role)}, {"line", user.line}});
     } else {
@@ -112,7 +112,7 @@ int list_users(const UsersArguments& arguments) {
 }
 
 std::string check_name(const std::string& name) {
-  if (serve::is_user_name(name)) return {};
+  if (web::is_user_name(name)) return {};
   return fmt::format("\"{}\": expected 1 to 32 letters, digits and . _ - @ that begin with a letter or digit",
                      name);
 }
@@ -120,7 +120,7 @@ std::string check_name(const std::string& name) {
 }  // namespace
 
 std::expected<std::string, std::string> with_user(const std::string& text, const std::string& file,
-                                                  const serve::WebAccount& account, bool replaces) {
+                                                  const web::WebAccount& account, bool replaces) {
   const auto before = find_user(text, file, account.name);
   if (!before) return std::unexpected(before.error());
   if (*before && !replaces) {
@@ -135,7 +135,7 @@ std::expected<std::string, std::string> with_user(const std::string& text, const
     if (!changed.empty() && !changed.ends_with('\n')) changed += '\n';
     changed += line;
   }
-  const auto check = serve::parse_web_users(changed, file);
+  const auto check = web::parse_web_users(changed, file);
   if (!check) return std::unexpected(check.error());
   return changed;
 }

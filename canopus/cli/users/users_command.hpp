@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "canopus/serve/web/web_users.hpp"
+#include "canopus/web/access/users.hpp"
 
 namespace canopus::cli {
 
@@ -18,7 +18,7 @@ void add_users_command(Command& app, int& exit_code);
 /// The errors begin with `file`.
 [[nodiscard]] std::expected<std::string, std::string> with_user(const std::string& text,
                                                                 const std::string& file,
-                                                                const serve::WebAccount& account,
+                                                                const web::WebAccount& account,
                                                                 bool replaces);
 /// Without the user of this name.
 [[nodiscard]] std::expected<std::string, std::string> without_user(const std::string& text,

@@ -1,0 +1,58 @@
+#include "canopus/web/http/form.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+
+namespace canopus::web {
+namespace {
+
+std::optional<std::string> decoded(std::string_view text) {
+  std::string result;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      result += text[i] == '+' ? ' ' : text[i];
+      continue;
+    }
+    const std::string_view digits = text.substr(i + 1, 2);
+    std::uint8_t byte = 0;
+    const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), byte, 16);
+    if (digits.size() != 2 || read.ec != std::errc() || read.ptr != digits.data() + 2) return std::nullopt;
+    result += static_cast<char>(byte);
+    i += 2;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::optional<WebForm> read_form(std::string_view body) {
+  WebForm form;
+  while (!body.empty()) {
+    const std::string_view field = body.substr(0, body.find('&'));
+    body.remove_prefix(std::min(field.size() + 1, body.size()));
+    const std::size_t sign = std::min(field.find('='), field.size());
+    auto name = decoded(field.substr(0, sign));
+    auto value = decoded(field.substr(std::min(sign + 1, field.size())));
+    if (!name || !value || form.size() == most_form_fields) return std::nullopt;
+    if (!form.emplace(std::move(*name), std::move(*value)).second) return std::nullopt;
+  }
+  return form;
+}
+
+std::optional<std::string_view> cookie_of(std::string_view field, std::string_view name) noexcept {
+  std::optional<std::string_view> found;
+  while (!field.empty()) {
+    std::string_view pair = field.substr(0, field.find(';'));
+    field.remove_prefix(std::min(pair.size() + 1, field.size()));
+    while (pair.starts_with(' ') || pair.starts_with('\t')) pair.remove_prefix(1);
+    while (pair.ends_with(' ') || pair.ends_with('\t')) pair.remove_suffix(1);
+    const std::size_t sign = pair.find('=');
+    if (sign == std::string_view::npos || pair.substr(0, sign) != name) continue;
+    if (found) return std::nullopt;
+    found = pair.substr(sign + 1);
+  }
+  return found;
+}
+
+}  // namespace canopus::web
