@@ -40,6 +40,24 @@ struct ObjectRow {
   std::string_view text{};  ///< default of a string
 };
 
+/// The short names of the columns, for `using namespace object_row` in a table's source file.
+namespace object_row {
+using enum ObjectRow::Kind;
+using enum ObjectRow::Flag;
+inline constexpr auto u8 = canopen::DataType::unsigned8;
+inline constexpr auto u16 = canopen::DataType::unsigned16;
+inline constexpr auto u32 = canopen::DataType::unsigned32;
+inline constexpr auto u48 = canopen::DataType::unsigned48;
+inline constexpr auto i8 = canopen::DataType::integer8;
+inline constexpr auto i16 = canopen::DataType::integer16;
+inline constexpr auto i32 = canopen::DataType::integer32;
+inline constexpr auto string = canopen::DataType::visible_string;
+inline constexpr auto domain = canopen::DataType::domain;
+inline constexpr auto ro = canopen::Access::read_only;
+inline constexpr auto rw = canopen::Access::read_write;
+inline constexpr auto wo = canopen::Access::write_only;
+}  // namespace object_row
+
 /// Adds the rows to the builder.
 void add_rows(canopen::DictionaryBuilder& builder, std::span<const ObjectRow> rows);
 

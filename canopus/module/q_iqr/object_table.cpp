@@ -8,19 +8,7 @@ namespace canopus::module::q_iqr {
 
 namespace {
 
-using canopen::Access;
-using canopen::DataType;
-using enum ObjectRow::Kind;
-using enum ObjectRow::Flag;
-
-constexpr auto u8 = DataType::unsigned8;
-constexpr auto u16 = DataType::unsigned16;
-constexpr auto u32 = DataType::unsigned32;
-constexpr auto domain = DataType::domain;
-constexpr auto string = DataType::visible_string;
-constexpr auto ro = Access::read_only;
-constexpr auto rw = Access::read_write;
-constexpr auto wo = Access::write_only;
+using namespace object_row;
 
 // clang-format off
 constexpr std::array rows = std::to_array<ObjectRow>({

@@ -10,17 +10,8 @@ namespace canopus::module::as_fcopm {
 
 namespace {
 
-using canopen::Access;
 using canopen::DataType;
-using enum ObjectRow::Kind;
-using enum ObjectRow::Flag;
-
-constexpr auto u8 = DataType::unsigned8;
-constexpr auto u16 = DataType::unsigned16;
-constexpr auto u32 = DataType::unsigned32;
-constexpr auto string = DataType::visible_string;
-constexpr auto ro = Access::read_only;
-constexpr auto rw = Access::read_write;
+using namespace object_row;
 
 // clang-format off
 /// Both roles [10.7].

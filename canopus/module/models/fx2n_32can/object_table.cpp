@@ -9,18 +9,7 @@ namespace canopus::module::fx2n_32can {
 
 namespace {
 
-using canopen::Access;
-using canopen::DataType;
-using enum ObjectRow::Kind;
-using enum ObjectRow::Flag;
-
-constexpr auto u8 = DataType::unsigned8;
-constexpr auto u16 = DataType::unsigned16;
-constexpr auto u32 = DataType::unsigned32;
-constexpr auto string = DataType::visible_string;
-constexpr auto ro = Access::read_only;
-constexpr auto rw = Access::read_write;
-constexpr auto wo = Access::write_only;
+using namespace object_row;
 
 // The manual names the objects [5.3.2, 8]; types, access and defaults are CiA DS-301 V3.0's and DS-302 V2.0's.
 // clang-format off

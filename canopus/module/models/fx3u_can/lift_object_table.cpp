@@ -15,18 +15,7 @@ namespace {
 
 using canopen::Access;
 using canopen::DataType;
-using enum ObjectRow::Kind;
-using enum ObjectRow::Flag;
-
-constexpr auto u8 = DataType::unsigned8;
-constexpr auto u16 = DataType::unsigned16;
-constexpr auto u32 = DataType::unsigned32;
-constexpr auto u48 = DataType::unsigned48;
-constexpr auto i8 = DataType::integer8;
-constexpr auto i16 = DataType::integer16;
-constexpr auto i32 = DataType::integer32;
-constexpr auto ro = Access::read_only;
-constexpr auto rw = Access::read_write;
+using namespace object_row;
 
 // clang-format off
 constexpr std::array common_rows = std::to_array<ObjectRow>({
