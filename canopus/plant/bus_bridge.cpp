@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 
 namespace canopus::plant {
@@ -31,8 +32,9 @@ void BusBridge::Side::receive(const can::Frame& frame, can::Time now) {
   if (other_ == nullptr || !bridge_.section_.passes(frame) || other_->port_.send(frame)) return;
   if (now < report_again_) return;
   report_again_ = can::later(now, 1s);
-  bridge_.observer_.error(fmt::format("bridge {} to {}", bus_, other_->bus_),
-                          "frames are lost: the other bus does not take them as fast as they come", now);
+  bridge_.observer_.on(
+      {now, Failure{fmt::format("bridge {} to {}", bus_, other_->bus_),
+                    "frames are lost: the other bus does not take them as fast as they come"}});
 }
 
 }  // namespace canopus::plant

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "canopus/canopen/service/device_profile.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/file/process_value.hpp"
 
 namespace canopus::plant {
@@ -122,11 +123,11 @@ ForcedObject DeviceOnBus::forced_object(const canopen::Entry& entry, can::Time u
 }
 
 void DeviceOnBus::value_forced(const sim::Forcing::Force& force, can::Time now) {
-  observer_.object_forced(forced_object(force.entry, force.until), now);
+  observer_.on({now, ObjectForced{forced_object(force.entry, force.until)}});
 }
 
 void DeviceOnBus::value_released(const canopen::Entry& entry, can::Time now) {
-  observer_.object_released(forced_object(entry), now);
+  observer_.on({now, ObjectReleased{forced_object(entry)}});
 }
 
 // The controller is set up anew, too: nothing from before follows.
@@ -137,7 +138,7 @@ void DeviceOnBus::look_closer(can::Time now) {
   if (device_.node().identifiers_revision() != accepted_revision_) accept();
   if (device_.node().state() == status_.state) return;
   status_.state = device_.node().state();
-  observer_.nmt_state_changed(status_.label, status_.state, now);
+  observer_.on({now, NmtStateChange{status_.label, status_.state}});
 }
 
 void DeviceOnBus::look_at_lss(can::Time now) {
@@ -145,7 +146,7 @@ void DeviceOnBus::look_at_lss(can::Time now) {
   if (node_id == status_.label.node_id && port_.bit_rate() == bit_rate_) return;
   bit_rate_ = port_.bit_rate();
   if (node_id != status_.label.node_id) watch_->renumber(status_, node_id);
-  observer_.lss_configured(status_.label, bit_rate_, now);
+  observer_.on({now, LssSetting{status_.label, bit_rate_}});
 }
 
 /// Shows the controller which identifiers the node does something with: the bus then leaves out the others.

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "canopus/plant/event.hpp"
+
 namespace canopus::plant {
 
 LiftOnBus::LiftOnBus(const LiftSection& section, sim::lift::BuildingSettings settings,
@@ -30,7 +32,7 @@ void LiftOnBus::unit_plugged(std::size_t unit, bool plugged, can::Time now) {
 }
 
 void LiftOnBus::lift_event(const sim::lift::LiftEvent& event) {
-  observer_->lift_event(section_->bus, event);
+  observer_->on({event.time, LiftChange{section_->bus, event}});
   if (listener_ != nullptr) listener_->lift_event(event);
 }
 

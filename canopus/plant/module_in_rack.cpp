@@ -9,6 +9,7 @@
 #include "canopus/manager/boot/boot_record.hpp"
 #include "canopus/module/interface/event_records.hpp"
 #include "canopus/module/interface/slave_boot_record.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/slave_boot.hpp"
 
 namespace canopus::plant {
@@ -188,13 +189,13 @@ void ModuleInRack::signal_changed(module::SignalKind kind, unsigned number, bool
   own = is_own && on ? own | bit : own & ~bit;
   if (is_own) return;  // its data exchanges are not news
   const char device = kind == module::SignalKind::input ? 'X' : 'Y';
-  observer_.signal_changed(plc_, device, section_.head + number, on, now);
+  observer_.on({now, SignalChange{plc_, device, section_.head + number, on}});
 }
 
 void ModuleInRack::buffer_written(std::uint32_t address, std::uint16_t value, can::Time now) {
   exchange_watch_.buffer_written(address, value, now);
   if (program_.buffer_written(address)) return;
-  observer_.buffer_changed(plc_, section_.head, address, value, true, now);
+  observer_.on({now, BufferChange{plc_, section_.head, address, value, true}});
   for (std::size_t i = 0; i < watched_.size(); ++i) {
     if (section_.watch[i] == address) watched_[i] = value;
   }
@@ -206,30 +207,32 @@ void ModuleInRack::slave_boot_went_on(std::uint8_t node_id, const manager::BootR
   const bool is_news = seen.step != record.step || seen.attempts != record.attempts;
   seen = {record.step, record.attempts};
   status_.label.node_id = module_->node().node_id();
-  if (is_news) observer_.slave_boot_went_on(watch_.label(node_id), status_.label, record, now);
+  if (is_news) observer_.on({now, SlaveBootStep{watch_.label(node_id), status_.label, record}});
 }
 
 void ModuleInRack::event_logged(const module::ModuleEventRecord& record) {
-  observer_.module_event(plc_, name_, record);
+  observer_.on({record.at, ModuleEvent{plc_, name_, record}});
 }
 
 void ModuleInRack::module_error(const module::ModuleErrorRecord& record) {
-  observer_.module_error(plc_, name_, record);
+  observer_.on({record.at, ModuleError{plc_, name_, record}});
 }
 
-void ModuleInRack::error_raised(std::string_view what, can::Time now) { observer_.error(name_, what, now); }
+void ModuleInRack::error_raised(std::string_view what, can::Time now) {
+  observer_.on({now, Failure{name_, std::string(what)}});
+}
 
 void ModuleInRack::look(can::Time now) {
   changes_seen_ = module_->change_count();
   program_.look(now);
   exchange_watch_.look(now);
-  if (const auto text = exchange_watch_.take_report()) report(*text, now);
+  if (const auto text = exchange_watch_.take_report()) error_raised(*text, now);
   look_at_state(now);
   for (std::size_t i = 0; i < watched_.size(); ++i) {
     const std::uint16_t value = module_->buffer_memory()->peek(section_.watch[i], now);
     if (value == watched_[i]) continue;
     watched_[i] = value;
-    observer_.buffer_changed(plc_, section_.head, section_.watch[i], value, false, now);
+    observer_.on({now, BufferChange{plc_, section_.head, section_.watch[i], value, false}});
   }
 }
 
@@ -239,7 +242,7 @@ void ModuleInRack::look_at_state(can::Time now) {
   status_.label.node_id = canopen_mode ? module_->node().node_id() : std::uint8_t{0};
   if (!canopen_mode || module_->node().state() == status_.state) return;
   status_.state = module_->node().state();
-  observer_.nmt_state_changed(status_.label, status_.state, now);
+  observer_.on({now, NmtStateChange{status_.label, status_.state}});
   // An initialization in RUN is followed by a start-up; one in STOP is held up by it.
   if (status_.state == canopen::NmtState::operational ||
       (status_.state == canopen::NmtState::initialising && rack_.cpu_state() == module::CpuState::run)) {
@@ -256,7 +259,7 @@ void ModuleInRack::look_after_stop(can::Time now) {
   }
   after_stop_due_ = can::never;
   after_stop_ = AfterStop::reported;
-  report(not_started(), now);
+  error_raised(not_started(), now);
 }
 
 }  // namespace canopus::plant

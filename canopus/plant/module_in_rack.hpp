@@ -66,7 +66,6 @@ class ModuleInRack final : public can::Participant, public module::ModuleObserve
   void look(can::Time now);
   void look_at_state(can::Time now);
   void look_after_stop(can::Time now);
-  void report(const std::string& text, can::Time now) { observer_.error(name_, text, now); }
   [[nodiscard]] std::string not_started() const;
 
   /// What the CPU's STOP has done to the module's NMT state.

@@ -5,6 +5,7 @@
 
 #include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/service/node_listener.hpp"
+#include "canopus/plant/event.hpp"
 
 namespace canopus::plant {
 
@@ -46,7 +47,7 @@ void NodeRegistry::hear(const can::Frame& frame, can::Time end) {
 
 void NodeRegistry::error_detected(const can::Port& port, can::BusError error, can::Time now) {
   if (!unacknowledged_.error_detected(port, error)) return;
-  observer_.unacknowledged(label_of(port), now);
+  observer_.on({now, MissingAck{label_of(port)}});
 }
 
 NodeLabel NodeRegistry::label_of(const can::Port& port) const {
@@ -69,12 +70,12 @@ void NodeRegistry::errors_reported(std::span<const can::BusErrorReport> reports,
     for (const can::BusErrorReport& report : reports) {
       if (is_same(report)) event.nodes.push_back({label_of(*report.port), report});
     }
-    observer_.bus_error(event, now);
+    observer_.on({now, std::move(event)});
   }
 }
 
 void NodeRegistry::controller_changed(const can::ControllerReport& report, can::Time now) {
-  observer_.controller_changed(label_of(*report.port), report, now);
+  observer_.on({now, ControllerChange{label_of(*report.port), report}});
 }
 
 void NodeRegistry::know_number(NodeStatus& status) {
@@ -90,10 +91,10 @@ bool NodeRegistry::is_plain_can() const {
 }
 
 void NodeRegistry::error_control(std::uint8_t node_id, std::uint8_t state, can::Time now) {
-  if (state == 0) observer_.booted(label(node_id), now);
+  if (state == 0) observer_.on({now, BootUp{label(node_id)}});
   if (known_[node_id] != nullptr || foreign_states_[node_id] == state) return;
   foreign_states_[node_id] = state;
-  if (state != 0) observer_.nmt_state_changed(label(node_id), static_cast<canopen::NmtState>(state), now);
+  if (state != 0) observer_.on({now, NmtStateChange{label(node_id), static_cast<canopen::NmtState>(state)}});
 }
 
 void NodeRegistry::emergency(std::uint8_t node_id, const can::Frame& frame, can::Time now) {
@@ -105,7 +106,7 @@ void NodeRegistry::emergency(std::uint8_t node_id, const can::Frame& frame, can:
     ++status->emergencies;
     status->last_emergency = message.code;
   }
-  observer_.emergency(label(node_id), message, now);
+  observer_.on({now, EmergencySent{label(node_id), message}});
 }
 
 }  // namespace canopus::plant

@@ -88,45 +88,12 @@ struct BusErrorEvent {
   std::vector<Node> nodes{};
 };
 
-/// What happens in a plant, as it happens. docs/events.md describes the lines made of it.
+struct Event;  // event.hpp
+
+/// Gets what happens in a plant, as it happens.
 class PlantObserver {
  public:
-  virtual void booted(const NodeLabel&, can::Time) {}
-  virtual void nmt_state_changed(const NodeLabel&, canopen::NmtState, can::Time) {}
-  /// LSS gave a device of the plant its node-ID (the label has it already; FFH: took it away) or bit rate
-  /// (bit/s), or it came up with what it had stored.
-  virtual void lss_configured(const NodeLabel&, std::uint32_t /*bit_rate*/, can::Time) {}
-  virtual void emergency(const NodeLabel&, const canopen::Emergency&, can::Time) {}
-  /// Nobody acknowledges what this node sends: it is alone on its bus. Once, until somebody completed a frame.
-  virtual void unacknowledged(const NodeLabel&, can::Time) {}
-  /// Nodes found an error. Not for one that repeats the last one of its bus in everything but the time.
-  virtual void bus_error(const BusErrorEvent&, can::Time) {}
-  /// The error state of a node's controller, or a counter's way over or below the warning limit, changed.
-  virtual void controller_changed(const NodeLabel&, const can::ControllerReport&, can::Time) {}
-  /// A module of the plant boots this slave as its NMT master and came to another step, or asks it once more.
-  virtual void slave_boot_went_on(const NodeLabel& /*slave*/, const NodeLabel& /*master*/,
-                                  const manager::BootRecord&, can::Time) {}
-  virtual void signal_changed(std::string_view /*plc*/, char /*'X' or 'Y'*/, unsigned /*number*/, bool /*on*/,
-                              can::Time) {}
-  /// A buffer memory word got another value: written by the CPU, or a watched one changed by the module.
-  virtual void buffer_changed(std::string_view /*plc*/, unsigned /*head*/, std::uint32_t /*address*/,
-                              std::uint16_t /*value*/, bool /*by_cpu*/, can::Time) {}
-  /// A value of a device is forced from now on, or with another value or end than before.
-  virtual void object_forced(const ForcedObject&, can::Time) {}
-  /// It is not forced any more, and shows its own value again.
-  virtual void object_released(const ForcedObject&, can::Time) {}
-  /// In a lift of this bus.
-  virtual void lift_event(std::string_view /*bus*/, const sim::lift::LiftEvent&) {}
-  virtual void load(std::string_view /*bus*/, const can::BusLoad&, can::Time) {}
-  /// At the start: something a person should know of the plant file. `source` is its place in it.
-  virtual void warning(std::string_view /*source*/, std::string_view /*message*/, can::Time) {}
-  /// The module (`source`: "RJ71CN91 U0") reported to its CPU: an event of the event history, or an error that module
-  /// diagnostics show from now on.
-  virtual void module_event(std::string_view /*plc*/, std::string_view /*source*/,
-                            const module::ModuleEventRecord&) {}
-  virtual void module_error(std::string_view /*plc*/, std::string_view /*source*/,
-                            const module::ModuleErrorRecord&) {}
-  virtual void error(std::string_view /*source*/, std::string_view /*message*/, can::Time) {}
+  virtual void on(const Event&) {}
 
  protected:
   ~PlantObserver() = default;

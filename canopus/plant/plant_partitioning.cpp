@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/plant_assembly.hpp"
 
 namespace canopus::plant {
@@ -75,7 +76,7 @@ void Assembly::divide() {
   const auto report_stalls = [this](can::Timeline& timeline, PlantObserver& observer) {
     timeline.set_stall_handler([parts = &parts_, &observer](const can::Timeline::Stall& stall) {
       parts->has_stalled = true;
-      observer.error(stall.name, stall_text, stall.now);
+      observer.on({stall.now, Failure{std::string(stall.name), std::string(stall_text)}});
     });
   };
   report_stalls(parts_.timeline, observer_);

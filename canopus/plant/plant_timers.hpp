@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "canopus/can/bus.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/plc/rack/rack.hpp"
 
@@ -33,7 +34,7 @@ class LoadReport final : public can::Ticker {
     alarm() = can::Time{} + period;
   }
   void tick(can::Time now) override {
-    observer_.load(bus_.name(), bus_.load(now), now);
+    observer_.on({now, LoadMeasured{bus_.name(), bus_.load(now)}});
     alarm() = deadline() + period;
   }
 

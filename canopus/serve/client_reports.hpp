@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "canopus/can/timeline.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/plant.hpp"
 
 namespace canopus::serve {
@@ -33,9 +34,10 @@ class ClientReports {
       return;
     }
     if (const auto left_out = std::exchange(left_out_, 0); left_out != 0) {
-      observer_.error(source_, fmt::format("{} reports of clients were left out", left_out), now);
+      observer_.on(
+          {now, plant::Failure{source_, fmt::format("{} reports of clients were left out", left_out)}});
     }
-    observer_.error(source_, sentence, now);
+    observer_.on({now, plant::Failure{source_, std::string(sentence)}});
   }
 
  private:

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/serve/replay_bus.hpp"
 
@@ -47,7 +48,7 @@ void LinkedBuses::start(link::LoopClock* clock, plant::Plant& plant) {
     if (bus == buses_.end()) continue;
     plant::PlantObserver& observer = plant.observer_of_bus(i);
     (*bus)->start(clock, [&observer, bus = *bus](std::string_view text, can::Time now) {
-      observer.error(fmt::format("bus {}", bus->name()), text, now);
+      observer.on({now, plant::Failure{fmt::format("bus {}", bus->name()), std::string(text)}});
     });
   }
 }

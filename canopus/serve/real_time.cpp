@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "canopus/can/timeline.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::serve {
@@ -126,18 +127,17 @@ void RealTime::advance() {
 
 void RealTime::report(const Pace::Step& step, can::Duration elapsed) {
   constexpr can::Duration worth_reporting = 50ms;
+  const auto report_failure = [this](std::string message) {
+    observer_.on({timeline_.now(), plant::Failure{"real time", std::move(message)}});
+  };
   if (step.suspended >= worth_reporting) {
-    observer_.error("real time",
-                    fmt::format("the process was suspended for {}: plant time stood still",
-                                text::describe_duration(step.suspended)),
-                    timeline_.now());
+    report_failure(fmt::format("the process was suspended for {}: plant time stood still",
+                               text::describe_duration(step.suspended)));
     if (resumed_) resumed_();
   }
   if (step.lag >= worth_reporting && elapsed >= report_again_) {
-    observer_.error("real time",
-                    fmt::format("the plant is {} late: this machine is too slow for it",
-                                text::describe_duration(step.lag)),
-                    timeline_.now());
+    report_failure(fmt::format("the plant is {} late: this machine is too slow for it",
+                               text::describe_duration(step.lag)));
     report_again_ = elapsed + 1s;
   }
 }

@@ -4,8 +4,6 @@
 #include <cstdlib>
 #include <span>
 
-#include <fmt/format.h>
-
 #include "canopus/store/files.hpp"
 
 namespace canopus::store {
@@ -25,7 +23,7 @@ std::string write_whole(const fs::path& path, const std::string& text, FileReade
   fs::path beside = path;
   beside += ".new";
   const auto file = files.create(beside);
-  if (!file) return fmt::format("{}: {}", path.string(), describe_error(file.error()));
+  if (!file) return path.string() + ": " + describe_error(file.error());
   auto left = std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
   int failure = 0;
   if (readers == FileReaders::owner) {
@@ -43,7 +41,7 @@ std::string write_whole(const fs::path& path, const std::string& text, FileReade
   if (failure == 0) failure = files.rename(beside, path);
   if (failure == 0) return {};
   (void)files.remove(beside);
-  return fmt::format("{}: {}", path.string(), describe_error(failure));
+  return path.string() + ": " + describe_error(failure);
 }
 
 }  // namespace canopus::store

@@ -6,6 +6,7 @@
 
 #include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/cli/run/live_table.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plc/rack/rack.hpp"
@@ -75,23 +76,24 @@ class Layer2Plant : public testing::Test, public plant::PlantObserver, public ca
   void receive(const can::Frame& frame, can::Time) override { heard.push_back(frame); }
   void tick(can::Time) override {}
 
-  void booted(const plant::NodeLabel& node, can::Time) override {
-    events.push_back(describe(node) + " boot");
+  void on(const plant::Event& event) override {
+    std::visit([this](const auto& what) { note(what); }, event.what);
   }
-  void emergency(const plant::NodeLabel& node, const canopen::Emergency&, can::Time) override {
-    events.push_back(describe(node) + " emcy");
+  template <typename Other>
+  void note(const Other&) {}
+  void note(const plant::BootUp& boot) { events.push_back(describe(boot.node) + " boot"); }
+  void note(const plant::EmergencySent& sent) { events.push_back(describe(sent.node) + " emcy"); }
+  void note(const plant::NmtStateChange& change) {
+    events.push_back(fmt::format("{} {}", describe(change.node), canopen::name(change.state)));
   }
-  void nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time) override {
-    events.push_back(fmt::format("{} {}", describe(node), canopen::name(state)));
+  void note(const plant::SignalChange& change) {
+    events.push_back(fmt::format("{}{:02X} {}", change.device, change.number, change.on ? "ON" : "OFF"));
   }
-  void signal_changed(std::string_view, char kind, unsigned number, bool on, can::Time) override {
-    events.push_back(fmt::format("{}{:02X} {}", kind, number, on ? "ON" : "OFF"));
+  void note(const plant::BufferChange& change) {
+    events.push_back(
+        fmt::format("G{} = {:04X}{}", change.address, change.value, change.by_cpu ? " by CPU" : ""));
   }
-  void buffer_changed(std::string_view, unsigned, std::uint32_t address, std::uint16_t value, bool by_cpu,
-                      can::Time) override {
-    events.push_back(fmt::format("G{} = {:04X}{}", address, value, by_cpu ? " by CPU" : ""));
-  }
-  void error(std::string_view, std::string_view message, can::Time) override { events.emplace_back(message); }
+  void note(const plant::Failure& failure) { events.push_back(failure.message); }
 
   std::unique_ptr<plant::Plant> plant;
   plant::Plant* raw_plant = nullptr;

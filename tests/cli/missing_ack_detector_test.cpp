@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
@@ -36,9 +37,11 @@ class UnacknowledgedTest : public testing::Test, public plant::PlantObserver {
     plant->power_on();
   }
   void run_until(can::Duration time) { plant->timeline().run_until(can::Time(time)); }
-  void unacknowledged(const plant::NodeLabel& node, can::Time now) override {
-    EXPECT_LT(now, can::Time(100ms));
-    heard.push_back(describe(node));
+  void on(const plant::Event& event) override {
+    const auto* const missing = std::get_if<plant::MissingAck>(&event.what);
+    if (missing == nullptr) return;
+    EXPECT_LT(event.time, can::Time(100ms));
+    heard.push_back(describe(missing->node));
   }
 
   std::unique_ptr<plant::Plant> plant;
@@ -67,13 +70,13 @@ TEST_F(UnacknowledgedTest, ListenersDoNotAcknowledge) {
 TEST(UnacknowledgedEvent, IsALineAndJson) {
   text::TextOutput text, errors;
   const plant::NodeLabel node{"line1", "encoder", 3};
-  plant::LinePrinter(text, errors, false).unacknowledged(node, can::Time(1500us));
+  plant::LinePrinter(text, errors, false).on({can::Time(1500us), plant::MissingAck{node}});
   EXPECT_EQ(text.text(),
             "    0.001500  line1 node 3 (encoder): nobody acknowledges: no other node on this bus\n");
   text.clear();
-  plant::LinePrinter(text, errors, true).unacknowledged(node, can::Time(1500us));
+  plant::LinePrinter(text, errors, true).on({can::Time(1500us), plant::MissingAck{node}});
   EXPECT_EQ(text.text() + errors.text(), "");
-  plant::JsonPrinter(text).unacknowledged(node, can::Time(1500us));
+  plant::JsonPrinter(text).on({can::Time(1500us), plant::MissingAck{node}});
   EXPECT_EQ(
       text.text(),
       "{\"t\":0.0015,\"event\":\"unacknowledged\",\"bus\":\"line1\",\"node\":3,\"name\":\"encoder\"}\n");

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "canopus/cli/run/live_table.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
@@ -86,11 +87,13 @@ class ProcessDataTest : public ::testing::Test, public plant::PlantObserver, pub
   }
   void tick(can::Time) override {}
 
-  void nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time) override {
-    if (node.node_id == 1) module_state_ = state;
-  }
-  void error(std::string_view source, std::string_view message, can::Time now) override {
-    events.push_back(fmt::format("{:.3f} {}: {}", can::seconds(now), source, message));
+  void on(const plant::Event& event) override {
+    if (const auto* change = std::get_if<plant::NmtStateChange>(&event.what);
+        change != nullptr && change->node.node_id == 1)
+      module_state_ = change->state;
+    if (const auto* failure = std::get_if<plant::Failure>(&event.what))
+      events.push_back(
+          fmt::format("{:.3f} {}: {}", can::seconds(event.time), failure->source, failure->message));
   }
 
   std::vector<std::string> events;

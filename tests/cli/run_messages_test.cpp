@@ -8,6 +8,7 @@
 
 #include "canopus/cli/run/live_table.hpp"
 #include "canopus/cli/run/screen.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/text/file_error.hpp"
 
 namespace canopus::cli::run_messages_test {
@@ -45,7 +46,7 @@ TEST(RunMessages, WhereErrorsGoToAFile_TheyAreThereAtOnce) {
   plant::Plant* plant = nullptr;
   TextOutput file;
   LiveTable table(plant, &file);
-  table.error("real time", "late", can::Time{1s});
+  table.on({can::Time{1s}, plant::Failure{"real time", "late"}});
   EXPECT_EQ(file.text(), "    1.000000  real time: late\n");
   TextOutput end;
   table.messages().print(end);

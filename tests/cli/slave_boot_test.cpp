@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canopus/cli/run/live_table.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 
@@ -56,13 +57,14 @@ objects = {)" + objects + "}\n";
     plant->power_on();
     plant->timeline().run_until(can::Time(duration));
   }
-  void slave_boot_went_on(const plant::NodeLabel& slave, const plant::NodeLabel& master,
-                          const manager::BootRecord& record, can::Time now) override {
-    events.push_back(fmt::format("{:.3f} {} {} by {}", can::seconds(now), slave.node_id,
-                                 manager::describe(record), master.node_id));
-    table.slave_boot_went_on(slave, master, record, now);
+  void on(const plant::Event& event) override {
+    if (const auto* failure = std::get_if<plant::Failure>(&event.what)) errors.push_back(failure->message);
+    const auto* const boot = std::get_if<plant::SlaveBootStep>(&event.what);
+    if (boot == nullptr) return;
+    events.push_back(fmt::format("{:.3f} {} {} by {}", can::seconds(event.time), boot->slave.node_id,
+                                 manager::describe(boot->record), boot->master.node_id));
+    table.on(event);
   }
-  void error(std::string_view, std::string_view message, can::Time) override { errors.emplace_back(message); }
   [[nodiscard]] std::string picture(TableSize size = {.rows = 40, .columns = 80}, TableView view = {}) {
     return shown(table, plant->timeline().now(), size, view);
   }

@@ -253,7 +253,7 @@ TEST_F(AsFcopmPlant, AllFiveModulesInOnePlant) {
   text::TextOutput out, err;
   const std::string path = CANOPUS_SOURCE_DIR "/examples/five-modules/plant.toml";
   EXPECT_EQ(cli::check_plant({.plant = path, .strict = true}, out, err), 0) << err.text();
-  plant_ = cli::load_plant(path, *this, err);
+  plant_ = plant::load_plant(path, *this, err);
   ASSERT_NE(plant_, nullptr) << err.text();
   plant_->power_on();
   run(15s);
@@ -273,7 +273,7 @@ TEST_F(AsFcopmPlant, TheExampleRuns) {
                              out, err),
             0)
       << err.text();
-  plant_ = cli::load_plant(CANOPUS_SOURCE_DIR "/examples/as-fcopm/plant.toml", *this, err);
+  plant_ = plant::load_plant(CANOPUS_SOURCE_DIR "/examples/as-fcopm/plant.toml", *this, err);
   ASSERT_NE(plant_, nullptr) << err.text();
   plant_->power_on();
   run(10s);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canopus/plant/device_on_bus.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/file/process_value.hpp"
 #include "canopus/plc/rack/rack.hpp"
@@ -43,12 +44,15 @@ class DeviceScript : public support::PlantFolder, public PlantObserver {
     plant_->power_on();
   }
   void run_until(can::Duration time) { plant_->timeline().run_until(can::Time{time}); }
-  void object_forced(const ForcedObject& forced, can::Time now) override {
-    events_.push_back(fmt::format("{} {}", now.time_since_epoch() / 1us, plant::describe(forced)));
-  }
-  void object_released(const ForcedObject& released, can::Time now) override {
-    events_.push_back(fmt::format("{} {} released, {}", now.time_since_epoch() / 1us, released.object,
-                                  show_value(released.type, released.value)));
+  void on(const Event& event) override {
+    const auto microseconds = event.time.time_since_epoch() / 1us;
+    if (const auto* forced = std::get_if<ObjectForced>(&event.what))
+      events_.push_back(fmt::format("{} {}", microseconds, plant::describe(forced->object)));
+    if (const auto* released = std::get_if<ObjectReleased>(&event.what)) {
+      const ForcedObject& object = released->object;
+      events_.push_back(fmt::format("{} {} released, {}", microseconds, object.object,
+                                    show_value(object.type, object.value)));
+    }
   }
   std::string script(std::string_view keys) const { return head + "[[device.script]]\n" + std::string(keys); }
   /// What `check` says of a CSV file with this text.

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "canopus/plant/event.hpp"
+
 #include "plant/lift_run.hpp"
 
 namespace canopus::plant::lift_faults_test {
@@ -32,12 +34,15 @@ class LiftFaults : public LiftRun {
       all.push_back(fmt::format("{}: {:04X}", word(first), word(first + 1)));
     return all;
   }
-  void lift_event(std::string_view bus, const sim::lift::LiftEvent& event) override {
+  void on(const Event& any) override {
+    const auto* const change = std::get_if<LiftChange>(&any.what);
+    if (change == nullptr) return;
+    const sim::lift::LiftEvent& event = change->event;
     if (event.kind != sim::lift::LiftEvent::Kind::fault_began &&
         event.kind != sim::lift::LiftEvent::Kind::fault_ended)
       return;
-    events_.push_back(fmt::format("{} {} {}: {}", can::seconds(event.time), bus, sim::lift::name(event.kind),
-                                  sim::lift::name(event.fault)));
+    events_.push_back(fmt::format("{} {} {}: {}", can::seconds(event.time), change->bus,
+                                  sim::lift::name(event.kind), sim::lift::name(event.fault)));
   }
 
   std::optional<LiftControl> control_;

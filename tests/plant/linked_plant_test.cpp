@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "canopus/link/linked_bus.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/serve/linked_buses.hpp"
 
@@ -67,8 +68,9 @@ class LinkedPlant : public support::PlantFolder, public plant::PlantObserver {
     for (std::size_t i = 0; i < heard_.size(); ++i) plant_->bus(i).add_observer(heard_[i]);
   }
   void run(can::Duration time) { plant_->timeline().run_until(plant_->timeline().now() + time); }
-  void error(std::string_view source, std::string_view message, can::Time) override {
-    errors_.push_back(fmt::format("{}: {}", source, message));
+  void on(const plant::Event& event) override {
+    if (const auto* failure = std::get_if<plant::Failure>(&event.what))
+      errors_.push_back(fmt::format("{}: {}", failure->source, failure->message));
   }
 
   std::unique_ptr<plant::Plant> plant_;

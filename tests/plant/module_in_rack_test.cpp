@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "canopus/eds/device_file.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/module_network.hpp"
 #include "canopus/plant/plant_assembly.hpp"
 
@@ -137,13 +138,12 @@ TEST(ModuleNetwork, OfAnotherLayout_NamesItsOwnLimits) {
 
 TEST(ModuleInRack, OfAModuleWithoutSignals_LetsTheBuiltInProgramWork) {
   struct Watcher final : PlantObserver {
-    void buffer_changed(std::string_view, unsigned head, std::uint32_t address, std::uint16_t value,
-                        bool by_cpu, can::Time now) override {
-      events.push_back(fmt::format("{}ms {:X} G{}={} {}", now.time_since_epoch() / 1ms, head, address, value,
-                                   by_cpu ? "cpu" : "module"));
-    }
-    void signal_changed(std::string_view, char, unsigned, bool, can::Time) override {
-      events.emplace_back("signal");
+    void on(const Event& event) override {
+      if (std::holds_alternative<SignalChange>(event.what)) events.emplace_back("signal");
+      const auto* const change = std::get_if<BufferChange>(&event.what);
+      if (change == nullptr) return;
+      events.push_back(fmt::format("{}ms {:X} G{}={} {}", event.time.time_since_epoch() / 1ms, change->head,
+                                   change->address, change->value, change->by_cpu ? "cpu" : "module"));
     }
     std::vector<std::string> events;
   } watcher;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plc/rack/rack.hpp"
 
@@ -52,8 +53,10 @@ class ModuleSlave : public support::PlantFolder, public plant::PlantObserver {
   void write_word(std::size_t rack_number, module::BufferAddress address, std::uint16_t value) {
     EXPECT_TRUE(plant_->rack(rack_number).write_buffer(0, address, {&value, 1}, plant_->timeline().now()));
   }
-  void nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time) override {
-    if (state == canopen::NmtState::operational) operational_.push_back(plant::describe(node));
+  void on(const plant::Event& event) override {
+    const auto* const change = std::get_if<plant::NmtStateChange>(&event.what);
+    if (change != nullptr && change->state == canopen::NmtState::operational)
+      operational_.push_back(plant::describe(change->node));
   }
 
   std::unique_ptr<plant::Plant> plant_;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "canopus/can/timeline.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/text/file_error.hpp"
@@ -24,11 +25,13 @@ TEST(PlantStall, APartThatAsksForOneMomentWithoutEnd_IsReportedByNameAndTheOther
       "test.toml");
   for (const text::FileError& error : reading.errors) ADD_FAILURE() << describe(error, "test.toml");
   struct Watcher final : PlantObserver {
-    void error(std::string_view source, std::string_view message, can::Time now) override {
-      errors.push_back(std::string(source) + ": " + std::string(message));
-      at = now;
+    void on(const Event& event) override {
+      if (const auto* failure = std::get_if<Failure>(&event.what)) {
+        errors.push_back(failure->source + ": " + failure->message);
+        at = event.time;
+      }
+      if (const auto* boot = std::get_if<BootUp>(&event.what)) booted_nodes.push_back(boot->node.node_id);
     }
-    void booted(const NodeLabel& node, can::Time) override { booted_nodes.push_back(node.node_id); }
     std::vector<std::string> errors;
     std::vector<unsigned> booted_nodes;
     can::Time at{};

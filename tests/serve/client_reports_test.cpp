@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/plant/event.hpp"
+
 namespace canopus::serve::client_reports_test {
 namespace {
 
@@ -14,8 +16,9 @@ using namespace std::chrono_literals;
 
 class Lines final : public plant::PlantObserver {
  public:
-  void error(std::string_view source, std::string_view message, can::Time) override {
-    lines.push_back(std::string(source) + ": " + std::string(message));
+  void on(const plant::Event& event) override {
+    const auto& failure = std::get<plant::Failure>(event.what);
+    lines.push_back(failure.source + ": " + failure.message);
   }
   std::vector<std::string> lines;
 };

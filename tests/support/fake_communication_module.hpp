@@ -69,7 +69,8 @@ class FakeCommunicationModule final : public module::CommunicationModule,
   [[nodiscard]] module::SignalAccess* signals() noexcept override { return this; }
   [[nodiscard]] module::BufferAddress buffer_memory_size() const noexcept override { return 700; }
   [[nodiscard]] std::uint16_t peek(module::BufferAddress address, can::Time) const override {
-    return words[address];
+    const auto word = words.find(address);
+    return word == words.end() ? std::uint16_t{0} : word->second;
   }
   void write_word(module::BufferAddress address, std::uint16_t value, can::Time now) override {
     words[address] = value;

@@ -19,6 +19,10 @@ constexpr std::size_t shown_messages = 12;
 
 }  // namespace
 
+void LiveTable::on(const plant::Event& event) {
+  std::visit([&](const auto& what) { add(what, event.time); }, event.what);
+}
+
 void LiveTable::note(can::Time now, std::string_view text) {
   events_.push_back(fmt::format("{:>10.3f}  {}", can::seconds(now), text));
   if (events_.size() > kept_events) events_.pop_front();
@@ -32,54 +36,51 @@ void LiveTable::keep(RunMessage message) {
   messages_.add(std::move(message));
 }
 
-void LiveTable::lss_configured(const plant::NodeLabel& node, std::uint32_t bit_rate, can::Time now) {
-  note(now, describe_lss(node, bit_rate));
+void LiveTable::add(const plant::LssSetting& event, can::Time now) {
+  note(now, describe_lss(event.node, event.bit_rate));
 }
 
-void LiveTable::emergency(const plant::NodeLabel& node, const canopen::Emergency& message, can::Time now) {
-  note(now, fmt::format("{}: EMCY {:04X}H, error register {:02X}H", describe(node), message.code,
-                        message.error_register));
+void LiveTable::add(const plant::EmergencySent& event, can::Time now) {
+  note(now, fmt::format("{}: EMCY {:04X}H, error register {:02X}H", describe(event.node), event.message.code,
+                        event.message.error_register));
 }
 
-void LiveTable::unacknowledged(const plant::NodeLabel& node, can::Time now) {
-  keep({now, describe_unacknowledged(node), false});
+void LiveTable::add(const plant::MissingAck& event, can::Time now) {
+  keep({now, describe_unacknowledged(event.node), false});
 }
 
-void LiveTable::bus_error(const plant::BusErrorEvent& error, can::Time now) {
-  std::string text = fmt::format("{:.3f} s: {}", can::seconds(now), describe(error));
-  bus_errors_.insert_or_assign(std::string(error.bus), std::move(text));
+void LiveTable::add(const plant::BusErrorEvent& event, can::Time now) {
+  std::string text = fmt::format("{:.3f} s: {}", can::seconds(now), describe(event));
+  bus_errors_.insert_or_assign(std::string(event.bus), std::move(text));
 }
 
-void LiveTable::controller_changed(const plant::NodeLabel& node, const can::ControllerReport& report,
-                                   can::Time now) {
-  note(now, describe_controller(node, report));
+void LiveTable::add(const plant::ControllerChange& event, can::Time now) {
+  note(now, describe_controller(event.node, event.report));
 }
 
-void LiveTable::nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time now) {
-  note(now, fmt::format("{}: {}", describe(node), canopen::name(state)));
+void LiveTable::add(const plant::NmtStateChange& event, can::Time now) {
+  note(now, fmt::format("{}: {}", describe(event.node), canopen::name(event.state)));
 }
 
-void LiveTable::slave_boot_went_on(const plant::NodeLabel& slave, const plant::NodeLabel&,
-                                   const manager::BootRecord& record, can::Time now) {
-  if (record.step == manager::BootStep::booted) {
-    note(now, fmt::format("{}: {}", describe(slave), manager::describe(record)));
-  } else if (record.step == manager::BootStep::failed) {
-    error(describe(slave), manager::explain(record, now), now);
+void LiveTable::add(const plant::SlaveBootStep& event, can::Time now) {
+  if (event.record.step == manager::BootStep::booted) {
+    note(now, fmt::format("{}: {}", describe(event.slave), manager::describe(event.record)));
+  } else if (event.record.step == manager::BootStep::failed) {
+    add(plant::Failure{describe(event.slave), manager::explain(event.record, now)}, now);
   }
 }
 
 /// A warning of the plant file: the run has printed it before there was a table.
-void LiveTable::warning(std::string_view source, std::string_view message, can::Time now) {
-  messages_.add({now, fmt::format("{}: warning: {}", source, message), false, true});
+void LiveTable::add(const plant::Warning& event, can::Time now) {
+  messages_.add({now, fmt::format("{}: warning: {}", event.source, event.message), false, true});
 }
 
-void LiveTable::module_error(std::string_view, std::string_view source,
-                             const module::ModuleErrorRecord& record) {
-  keep({record.at, fmt::format("{}: {}", source, plant::describe(record)), true});
+void LiveTable::add(const plant::ModuleError& event, can::Time) {
+  keep({event.record.at, fmt::format("{}: {}", event.module, plant::describe(event.record)), true});
 }
 
-void LiveTable::error(std::string_view source, std::string_view message, can::Time now) {
-  keep({now, fmt::format("{}: {}", source, message), true});
+void LiveTable::add(const plant::Failure& event, can::Time now) {
+  keep({now, fmt::format("{}: {}", event.source, event.message), true});
 }
 
 TableState LiveTable::look(can::Time now, can::Duration lag) {

@@ -12,6 +12,7 @@
 #include "canopus/cli/run/run_messages.hpp"
 #include "canopus/cli/run/table_state.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/plant.hpp"
 
 namespace canopus::cli {
@@ -29,21 +30,21 @@ class LiveTable final : public plant::PlantObserver {
   /// All errors and warnings since the start.
   [[nodiscard]] const RunMessages& messages() const noexcept { return messages_; }
 
-  void lss_configured(const plant::NodeLabel& node, std::uint32_t bit_rate, can::Time now) override;
-  void emergency(const plant::NodeLabel& node, const canopen::Emergency& message, can::Time now) override;
-  void unacknowledged(const plant::NodeLabel& node, can::Time now) override;
-  void bus_error(const plant::BusErrorEvent& error, can::Time now) override;
-  void controller_changed(const plant::NodeLabel& node, const can::ControllerReport& report,
-                          can::Time now) override;
-  void nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time now) override;
-  void slave_boot_went_on(const plant::NodeLabel& slave, const plant::NodeLabel& master,
-                          const manager::BootRecord& record, can::Time now) override;
-  void warning(std::string_view source, std::string_view message, can::Time now) override;
-  void module_error(std::string_view plc, std::string_view source,
-                    const module::ModuleErrorRecord& record) override;
-  void error(std::string_view source, std::string_view message, can::Time now) override;
+  void on(const plant::Event& event) override;
 
  private:
+  template <typename Other>
+  void add(const Other&, can::Time) {}  // it shows nothing of the other kinds
+  void add(const plant::LssSetting& event, can::Time now);
+  void add(const plant::EmergencySent& event, can::Time now);
+  void add(const plant::MissingAck& event, can::Time now);
+  void add(const plant::BusErrorEvent& event, can::Time now);
+  void add(const plant::ControllerChange& event, can::Time now);
+  void add(const plant::NmtStateChange& event, can::Time now);
+  void add(const plant::SlaveBootStep& event, can::Time now);
+  void add(const plant::Warning& event, can::Time now);
+  void add(const plant::ModuleError& event, can::Time now);
+  void add(const plant::Failure& event, can::Time now);
   void note(can::Time now, std::string_view text);
   void keep(RunMessage message);
 

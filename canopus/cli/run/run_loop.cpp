@@ -27,6 +27,7 @@
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/cli/terminal/stop_signals.hpp"
 #include "canopus/link/bounded_poll.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/plant/plant_loading.hpp"
@@ -189,7 +190,7 @@ bool Run::run_in_real_time() {
   linked_buses_.start(&clock, *plant_);
   if (options_.real_time) {
     for (const std::string& sentence : serve::ask_for_real_time(*options_.real_time)) {
-      observer().warning("--realtime", sentence, {});
+      observer().on({{}, plant::Warning{"--realtime", sentence}});
     }
   }
   if (is_alone) clock.wake_together(1ms);
@@ -339,7 +340,7 @@ void Run::warn() {
   for (text::FileWarning warning : plant_->warnings()) {
     if (options_.plant_text) warning.place = {};  // nobody wrote its lines
     if (has_table_) print_error("{}", describe(warning, options_.plant));
-    observer().warning(describe(warning.place, options_.plant), warning.message, {});
+    observer().on({{}, plant::Warning{describe(warning.place, options_.plant), warning.message}});
   }
 }
 

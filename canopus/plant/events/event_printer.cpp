@@ -63,90 +63,92 @@ void JsonPrinter::listening(std::string_view protocol, std::string_view of, std:
   print(line, can::Time{});
 }
 
-void JsonPrinter::booted(const NodeLabel& node, can::Time now) { print(node_event(now, "boot", node), now); }
+void JsonPrinter::on(const Event& event) {
+  std::visit([&](const auto& what) { add(what, event.time); }, event.what);
+}
 
-void JsonPrinter::nmt_state_changed(const NodeLabel& node, canopen::NmtState state, can::Time now) {
-  Json line = node_event(now, "nmt", node);
-  line["state"] = canopen::name(state);
+void JsonPrinter::add(const BootUp& event, can::Time now) { print(node_event(now, "boot", event.node), now); }
+
+void JsonPrinter::add(const NmtStateChange& event, can::Time now) {
+  Json line = node_event(now, "nmt", event.node);
+  line["state"] = canopen::name(event.state);
   print(line, now);
 }
 
-void JsonPrinter::lss_configured(const NodeLabel& node, std::uint32_t bit_rate, can::Time now) {
-  Json line = node_event(now, "lss", node);
-  line["bit_rate"] = bit_rate;
+void JsonPrinter::add(const LssSetting& event, can::Time now) {
+  Json line = node_event(now, "lss", event.node);
+  line["bit_rate"] = event.bit_rate;
   print(line, now);
 }
 
-void JsonPrinter::emergency(const NodeLabel& node, const canopen::Emergency& message, can::Time now) {
-  Json line = node_event(now, "emcy", node);
-  line["code"] = fmt::format("{:04X}", message.code);
-  line["register"] = message.error_register;
-  line["data"] = hexadecimal(message);
+void JsonPrinter::add(const EmergencySent& event, can::Time now) {
+  Json line = node_event(now, "emcy", event.node);
+  line["code"] = fmt::format("{:04X}", event.message.code);
+  line["register"] = event.message.error_register;
+  line["data"] = hexadecimal(event.message);
   print(line, now);
 }
 
-void JsonPrinter::unacknowledged(const NodeLabel& node, can::Time now) {
-  out_.json(node_event(now, "unacknowledged", node));
+void JsonPrinter::add(const MissingAck& event, can::Time now) {
+  out_.json(node_event(now, "unacknowledged", event.node));
 }
 
-void JsonPrinter::slave_boot_went_on(const NodeLabel& slave, const NodeLabel& master,
-                                     const manager::BootRecord& record, can::Time now) {
-  Json line = node_event(now, "boot slave", slave);
-  line["master"] = master.node_id;
-  add_boot(line, record, now);
+void JsonPrinter::add(const SlaveBootStep& event, can::Time now) {
+  Json line = node_event(now, "boot slave", event.slave);
+  line["master"] = event.master.node_id;
+  add_boot(line, event.record, now);
   print(line, now);
 }
 
-void JsonPrinter::signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) {
+void JsonPrinter::add(const SignalChange& event, can::Time now) {
   Json line = event_line(now, "signal");
-  line["plc"] = plc;
-  line["signal"] = fmt::format("{}{:02X}", kind, number);
-  line["on"] = on;
+  line["plc"] = event.plc;
+  line["signal"] = fmt::format("{}{:02X}", event.device, event.number);
+  line["on"] = event.on;
   print(line, now);
 }
 
-void JsonPrinter::buffer_changed(std::string_view plc, unsigned head, std::uint32_t address,
-                                 std::uint16_t value, bool by_cpu, can::Time now) {
+void JsonPrinter::add(const BufferChange& event, can::Time now) {
   Json line = event_line(now, "buffer");
-  line["plc"] = plc;
-  line["module"] = fmt::format("U{:X}", head / 16);
-  line["address"] = address;
-  line["value"] = value;
-  line["by"] = by_cpu ? "cpu" : "module";
+  line["plc"] = event.plc;
+  line["module"] = fmt::format("U{:X}", event.head / 16);
+  line["address"] = event.address;
+  line["value"] = event.value;
+  line["by"] = event.by_cpu ? "cpu" : "module";
   print(line, now);
 }
 
-void JsonPrinter::object_forced(const ForcedObject& forced, can::Time now) {
-  Json line = object_event(now, "forced", forced);
-  if (forced.until != can::never) line["until"] = event_seconds(forced.until);
+void JsonPrinter::add(const ObjectForced& event, can::Time now) {
+  Json line = object_event(now, "forced", event.object);
+  if (event.object.until != can::never) line["until"] = event_seconds(event.object.until);
   print(line, now);
 }
 
-void JsonPrinter::object_released(const ForcedObject& released, can::Time now) {
-  print(object_event(now, "released", released), now);
+void JsonPrinter::add(const ObjectReleased& event, can::Time now) {
+  print(object_event(now, "released", event.object), now);
 }
 
-void JsonPrinter::load(std::string_view bus, const can::BusLoad& load, can::Time now) {
+void JsonPrinter::add(const LoadMeasured& event, can::Time now) {
   Json line = event_line(now, "load");
-  line["bus"] = bus;
-  line["now"] = load.now;
-  line["peak"] = load.peak;
-  line["frames"] = load.frames;
-  line["error_frames"] = load.error_frames;
+  line["bus"] = event.bus;
+  line["now"] = event.load.now;
+  line["peak"] = event.load.peak;
+  line["frames"] = event.load.frames;
+  line["error_frames"] = event.load.error_frames;
   print(line, now);
 }
 
-void JsonPrinter::warning(std::string_view source, std::string_view message, can::Time now) {
+void JsonPrinter::add(const Warning& event, can::Time now) {
   Json line = event_line(now, "warning");
-  line["source"] = source;
-  line["message"] = message;
+  line["source"] = event.source;
+  line["message"] = event.message;
   print(line, now);
 }
 
-void JsonPrinter::error(std::string_view source, std::string_view message, can::Time now) {
+void JsonPrinter::add(const Failure& event, can::Time now) {
   Json line = event_line(now, "error");
-  line["source"] = source;
-  line["message"] = message;
+  line["source"] = event.source;
+  line["message"] = event.message;
   print(line, now);
 }
 
@@ -313,71 +315,76 @@ void LinePrinter::line(can::Time now, std::string_view text) {
   out_.line("{:>5}.{:06}  {}", microseconds / 1'000'000, microseconds % 1'000'000, text);
 }
 
-void LinePrinter::booted(const NodeLabel& node, can::Time now) {
-  if (!quiet_) line(now, fmt::format("{}: boot-up", describe(node)));
+void LinePrinter::on(const Event& event) {
+  std::visit([&](const auto& what) { add(what, event.time); }, event.what);
 }
 
-void LinePrinter::nmt_state_changed(const NodeLabel& node, canopen::NmtState state, can::Time now) {
-  if (!quiet_) line(now, fmt::format("{}: {}", describe(node), canopen::name(state)));
+void LinePrinter::add(const BootUp& event, can::Time now) {
+  if (!quiet_) line(now, fmt::format("{}: boot-up", describe(event.node)));
 }
 
-void LinePrinter::lss_configured(const NodeLabel& node, std::uint32_t bit_rate, can::Time now) {
-  if (!quiet_) line(now, describe_lss(node, bit_rate));
+void LinePrinter::add(const NmtStateChange& event, can::Time now) {
+  if (!quiet_) line(now, fmt::format("{}: {}", describe(event.node), canopen::name(event.state)));
 }
 
-void LinePrinter::emergency(const NodeLabel& node, const canopen::Emergency& message, can::Time now) {
+void LinePrinter::add(const LssSetting& event, can::Time now) {
+  if (!quiet_) line(now, describe_lss(event.node, event.bit_rate));
+}
+
+void LinePrinter::add(const EmergencySent& event, can::Time now) {
   if (quiet_) return;
-  line(now, fmt::format("{}: EMCY {:04X}H, error register {:02X}H, {}", describe(node), message.code,
-                        message.error_register, hexadecimal(message)));
+  line(now, fmt::format("{}: EMCY {:04X}H, error register {:02X}H, {}", describe(event.node),
+                        event.message.code, event.message.error_register, hexadecimal(event.message)));
 }
 
-void LinePrinter::unacknowledged(const NodeLabel& node, can::Time now) {
-  if (!quiet_) line(now, describe_unacknowledged(node));
+void LinePrinter::add(const MissingAck& event, can::Time now) {
+  if (!quiet_) line(now, describe_unacknowledged(event.node));
 }
 
-void LinePrinter::slave_boot_went_on(const NodeLabel& slave, const NodeLabel&,
-                                     const manager::BootRecord& record, can::Time now) {
+void LinePrinter::add(const SlaveBootStep& event, can::Time now) {
   using manager::BootStep;
-  if (record.step == BootStep::failed) return error(describe(slave), manager::explain(record, now), now);
-  const bool again = record.step == BootStep::presence && record.attempts > 1;
-  const bool still = record.step == BootStep::presence_pause && record.attempts > 1;
+  if (event.record.step == BootStep::failed)
+    return add(Failure{describe(event.slave), manager::explain(event.record, now)}, now);
+  const bool again = event.record.step == BootStep::presence && event.record.attempts > 1;
+  const bool still = event.record.step == BootStep::presence_pause && event.record.attempts > 1;
   if (quiet_ || again || still) return;  // a missing slave is asked for ever: reported once
-  const std::string words =
-      record.step == BootStep::presence_pause ? manager::explain(record, now) : manager::describe(record);
-  std::string text = describe(slave);
-  text += record.step == BootStep::booted ? ": " : ": boot: ";
+  const std::string words = event.record.step == BootStep::presence_pause
+                                ? manager::explain(event.record, now)
+                                : manager::describe(event.record);
+  std::string text = describe(event.slave);
+  text += event.record.step == BootStep::booted ? ": " : ": boot: ";
   text += words;
   line(now, text);
 }
 
-void LinePrinter::signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) {
-  if (!quiet_) line(now, fmt::format("{} {}{:02X} {}", plc, kind, number, on ? "ON" : "OFF"));
+void LinePrinter::add(const SignalChange& event, can::Time now) {
+  if (!quiet_)
+    line(now, fmt::format("{} {}{:02X} {}", event.plc, event.device, event.number, event.on ? "ON" : "OFF"));
 }
 
-void LinePrinter::buffer_changed(std::string_view plc, unsigned head, std::uint32_t address,
-                                 std::uint16_t value, bool by_cpu, can::Time now) {
+void LinePrinter::add(const BufferChange& event, can::Time now) {
   if (quiet_) return;
-  line(now, fmt::format("{} U{:X}\\G{} = {} ({:04X}H){}", plc, head / 16, address, value, value,
-                        by_cpu ? " written by the CPU" : ""));
+  line(now, fmt::format("{} U{:X}\\G{} = {} ({:04X}H){}", event.plc, event.head / 16, event.address,
+                        event.value, event.value, event.by_cpu ? " written by the CPU" : ""));
 }
 
-void LinePrinter::object_forced(const ForcedObject& forced, can::Time now) {
-  if (!quiet_) line(now, describe(forced));
+void LinePrinter::add(const ObjectForced& event, can::Time now) {
+  if (!quiet_) line(now, describe(event.object));
 }
 
-void LinePrinter::object_released(const ForcedObject& released, can::Time now) {
+void LinePrinter::add(const ObjectReleased& event, can::Time now) {
   if (quiet_) return;
-  line(now, fmt::format("{}: {} ({}) released, now {}", describe(released.device), released.object,
-                        released.name, show_value(released.type, released.value)));
+  line(now, fmt::format("{}: {} ({}) released, now {}", describe(event.object.device), event.object.object,
+                        event.object.name, show_value(event.object.type, event.object.value)));
 }
 
-void LinePrinter::warning(std::string_view source, std::string_view message, can::Time) {
-  if (!quiet_) errors_.line("{}: warning: {}", source, message);
+void LinePrinter::add(const Warning& event, can::Time) {
+  if (!quiet_) errors_.line("{}: warning: {}", event.source, event.message);
 }
 
-void LinePrinter::error(std::string_view source, std::string_view message, can::Time now) {
+void LinePrinter::add(const Failure& event, can::Time now) {
   latest_ = now;
-  errors_.line("{:>12.6f}  {}: {}", event_seconds(now), source, message);
+  errors_.line("{:>12.6f}  {}: {}", event_seconds(now), event.source, event.message);
 }
 
 void LinePrinter::summary(const RunSummary& summary) {

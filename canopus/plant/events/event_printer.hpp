@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "canopus/can/bus.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/plant/slave_boot.hpp"
 #include "canopus/sim/lift/lift_report.hpp"
@@ -53,30 +54,27 @@ class JsonPrinter final : public PlantObserver {
   /// The line that says how many of the lines up to now were lost. Any thread may ask.
   [[nodiscard]] std::string lost_line(std::uint64_t lines) const;
 
-  void booted(const NodeLabel& node, can::Time now) override;
-  void nmt_state_changed(const NodeLabel& node, canopen::NmtState state, can::Time now) override;
-  void lss_configured(const NodeLabel& node, std::uint32_t bit_rate, can::Time now) override;
-  void emergency(const NodeLabel& node, const canopen::Emergency& message, can::Time now) override;
-  void unacknowledged(const NodeLabel& node, can::Time now) override;
-  void bus_error(const BusErrorEvent& error, can::Time now) override;
-  void controller_changed(const NodeLabel& node, const can::ControllerReport& report, can::Time now) override;
-  void slave_boot_went_on(const NodeLabel& slave, const NodeLabel& master, const manager::BootRecord& record,
-                          can::Time now) override;
-  void signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) override;
-  void buffer_changed(std::string_view plc, unsigned head, std::uint32_t address, std::uint16_t value,
-                      bool by_cpu, can::Time now) override;
-  void object_forced(const ForcedObject& forced, can::Time now) override;
-  void object_released(const ForcedObject& released, can::Time now) override;
-  void lift_event(std::string_view bus, const sim::lift::LiftEvent& event) override;
-  void load(std::string_view bus, const can::BusLoad& load, can::Time now) override;
-  void warning(std::string_view source, std::string_view message, can::Time now) override;
-  void module_event(std::string_view plc, std::string_view source,
-                    const module::ModuleEventRecord& record) override;
-  void module_error(std::string_view plc, std::string_view source,
-                    const module::ModuleErrorRecord& record) override;
-  void error(std::string_view source, std::string_view message, can::Time now) override;
+  void on(const Event& event) override;
 
  private:
+  void add(const BootUp& event, can::Time now);
+  void add(const NmtStateChange& event, can::Time now);
+  void add(const LssSetting& event, can::Time now);
+  void add(const EmergencySent& event, can::Time now);
+  void add(const MissingAck& event, can::Time now);
+  void add(const BusErrorEvent& event, can::Time now);
+  void add(const ControllerChange& event, can::Time now);
+  void add(const SlaveBootStep& event, can::Time now);
+  void add(const SignalChange& event, can::Time now);
+  void add(const BufferChange& event, can::Time now);
+  void add(const ObjectForced& event, can::Time now);
+  void add(const ObjectReleased& event, can::Time now);
+  void add(const LiftChange& change, can::Time now);
+  void add(const LoadMeasured& event, can::Time now);
+  void add(const Warning& event, can::Time now);
+  void add(const ModuleEvent& event, can::Time now);
+  void add(const ModuleError& event, can::Time now);
+  void add(const Failure& event, can::Time now);
   void print(const text::Json& line, can::Time now);
   static void add_lifts(text::Json& summary, const std::vector<RunSummary::LiftCount>& lifts);
   text::Output& out_;
@@ -93,26 +91,27 @@ class LinePrinter final : public PlantObserver {
   /// The line that says how many of the lines up to now were lost. Any thread may ask.
   [[nodiscard]] std::string lost_line(std::uint64_t lines) const;
 
-  void booted(const NodeLabel& node, can::Time now) override;
-  void nmt_state_changed(const NodeLabel& node, canopen::NmtState state, can::Time now) override;
-  void lss_configured(const NodeLabel& node, std::uint32_t bit_rate, can::Time now) override;
-  void emergency(const NodeLabel& node, const canopen::Emergency& message, can::Time now) override;
-  void unacknowledged(const NodeLabel& node, can::Time now) override;
-  void controller_changed(const NodeLabel& node, const can::ControllerReport& report, can::Time now) override;
-  void slave_boot_went_on(const NodeLabel& slave, const NodeLabel& master, const manager::BootRecord& record,
-                          can::Time now) override;
-  void signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) override;
-  void buffer_changed(std::string_view plc, unsigned head, std::uint32_t address, std::uint16_t value,
-                      bool by_cpu, can::Time now) override;
-  void object_forced(const ForcedObject& forced, can::Time now) override;
-  void object_released(const ForcedObject& released, can::Time now) override;
-  void lift_event(std::string_view bus, const sim::lift::LiftEvent& event) override;
-  void warning(std::string_view source, std::string_view message, can::Time now) override;
-  void module_error(std::string_view plc, std::string_view source,
-                    const module::ModuleErrorRecord& record) override;
-  void error(std::string_view source, std::string_view message, can::Time now) override;
+  void on(const Event& event) override;
 
  private:
+  void add(const LoadMeasured&, can::Time) {}
+  void add(const BusErrorEvent&, can::Time) {}
+  void add(const ModuleEvent&, can::Time) {}
+  void add(const BootUp& event, can::Time now);
+  void add(const NmtStateChange& event, can::Time now);
+  void add(const LssSetting& event, can::Time now);
+  void add(const EmergencySent& event, can::Time now);
+  void add(const MissingAck& event, can::Time now);
+  void add(const ControllerChange& event, can::Time now);
+  void add(const SlaveBootStep& event, can::Time now);
+  void add(const SignalChange& event, can::Time now);
+  void add(const BufferChange& event, can::Time now);
+  void add(const ObjectForced& event, can::Time now);
+  void add(const ObjectReleased& event, can::Time now);
+  void add(const LiftChange& change, can::Time now);
+  void add(const Warning& event, can::Time now);
+  void add(const ModuleError& event, can::Time now);
+  void add(const Failure& event, can::Time now);
   void line(can::Time now, std::string_view text);
   text::Output& out_;
   text::Output& errors_;

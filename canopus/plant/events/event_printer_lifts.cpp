@@ -38,9 +38,10 @@ std::string_view call_name(std::uint8_t direction) {
 
 }  // namespace
 
-void JsonPrinter::lift_event(std::string_view bus, const LiftEvent& event) {
+void JsonPrinter::add(const LiftChange& change, can::Time) {
+  const LiftEvent& event = change.event;
   Json line{{"t", event_seconds(event.time)}, {"event", "lift"}};
-  line["bus"] = bus;
+  line["bus"] = change.bus;
   line["what"] = sim::lift::name(event.kind);
   if (event.lift != 0) line["lift"] = event.lift;
   if (event.floor != 0) line["floor"] = event.floor;
@@ -52,9 +53,10 @@ void JsonPrinter::lift_event(std::string_view bus, const LiftEvent& event) {
   print(line, event.time);
 }
 
-void LinePrinter::lift_event(std::string_view bus, const LiftEvent& event) {
+void LinePrinter::add(const LiftChange& change, can::Time) {
   if (quiet_) return;
-  std::string text(bus);
+  const LiftEvent& event = change.event;
+  std::string text(change.bus);
   if (event.lift != 0) text += fmt::format(" lift {}", event.lift);
   if (event.floor != 0) text += fmt::format(" floor {}", event.floor);
   text += fmt::format(": {}", sim::lift::name(event.kind));

@@ -26,35 +26,32 @@ Json node_keys(const NodeLabel& node) {
 
 }  // namespace
 
-void JsonPrinter::module_event(std::string_view plc, std::string_view source,
-                               const module::ModuleEventRecord& record) {
-  Json line = event_line(record.at, "module event");
-  line["plc"] = plc;
-  line["module"] = source;
-  line["code"] = fmt::format("{:05X}", record.code);
-  line["overview"] = record.overview;
-  if (record.detail) line["detail"] = *record.detail;
-  print(line, record.at);
+void JsonPrinter::add(const ModuleEvent& event, can::Time) {
+  Json line = event_line(event.record.at, "module event");
+  line["plc"] = event.plc;
+  line["module"] = event.module;
+  line["code"] = fmt::format("{:05X}", event.record.code);
+  line["overview"] = event.record.overview;
+  if (event.record.detail) line["detail"] = *event.record.detail;
+  print(line, event.record.at);
 }
 
-void JsonPrinter::module_error(std::string_view plc, std::string_view source,
-                               const module::ModuleErrorRecord& record) {
-  Json line = event_line(record.at, "module error");
-  line["plc"] = plc;
-  line["module"] = source;
-  line["code"] = fmt::format("{:04X}", record.code);
-  line["class"] = module::name(record.error_class);
-  line["overview"] = record.overview;
-  for (const auto& detail : record.details) {
+void JsonPrinter::add(const ModuleError& event, can::Time) {
+  Json line = event_line(event.record.at, "module error");
+  line["plc"] = event.plc;
+  line["module"] = event.module;
+  line["code"] = fmt::format("{:04X}", event.record.code);
+  line["class"] = module::name(event.record.error_class);
+  line["overview"] = event.record.overview;
+  for (const auto& detail : event.record.details) {
     if (!detail.name.empty()) line["details"][std::string(detail.name)] = detail.value;
   }
-  print(line, record.at);
+  print(line, event.record.at);
 }
 
-void LinePrinter::module_error(std::string_view, std::string_view source,
-                               const module::ModuleErrorRecord& record) {
-  latest_ = record.at;
-  errors_.line("{:>12.6f}  {}: {}", can::seconds(record.at), source, describe(record));
+void LinePrinter::add(const ModuleError& event, can::Time) {
+  latest_ = event.record.at;
+  errors_.line("{:>12.6f}  {}: {}", can::seconds(event.record.at), event.module, describe(event.record));
 }
 
 std::string describe(const module::ModuleErrorRecord& record) {
@@ -69,14 +66,14 @@ std::string describe(const module::ModuleErrorRecord& record) {
   return text;
 }
 
-void JsonPrinter::bus_error(const BusErrorEvent& error, can::Time now) {
+void JsonPrinter::add(const BusErrorEvent& event, can::Time now) {
   Json line = event_line(now, "bus error");
-  line["bus"] = error.bus;
-  line["error"] = can::name(error.error);
-  line["field"] = can::name(error.field);
-  line["bit"] = error.bit;
+  line["bus"] = event.bus;
+  line["error"] = can::name(event.error);
+  line["field"] = can::name(event.field);
+  line["bit"] = event.bit;
   line["nodes"] = Json::array();
-  for (const BusErrorEvent::Node& one : error.nodes) {
+  for (const BusErrorEvent::Node& one : event.nodes) {
     Json node = node_keys(one.label);
     node["transmitter"] = one.report.transmitter;
     node["tec"] = one.report.transmit_errors;
@@ -87,21 +84,19 @@ void JsonPrinter::bus_error(const BusErrorEvent& error, can::Time now) {
   print(line, now);
 }
 
-void JsonPrinter::controller_changed(const NodeLabel& node, const can::ControllerReport& report,
-                                     can::Time now) {
+void JsonPrinter::add(const ControllerChange& event, can::Time now) {
   Json line = event_line(now, "controller");
-  line["bus"] = node.bus;
-  line.update(node_keys(node));
-  line["state"] = can::name(report.state);
-  line["warning"] = report.warning;
-  line["tec"] = report.transmit_errors;
-  line["rec"] = report.receive_errors;
+  line["bus"] = event.node.bus;
+  line.update(node_keys(event.node));
+  line["state"] = can::name(event.report.state);
+  line["warning"] = event.report.warning;
+  line["tec"] = event.report.transmit_errors;
+  line["rec"] = event.report.receive_errors;
   print(line, now);
 }
 
-void LinePrinter::controller_changed(const NodeLabel& node, const can::ControllerReport& report,
-                                     can::Time now) {
-  if (!quiet_) line(now, describe_controller(node, report));
+void LinePrinter::add(const ControllerChange& event, can::Time now) {
+  if (!quiet_) line(now, describe_controller(event.node, event.report));
 }
 
 std::string describe(const BusErrorEvent& error) {

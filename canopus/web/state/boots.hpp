@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "canopus/manager/boot/boot_record.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/plant.hpp"
 
 namespace canopus::web {
@@ -29,12 +30,12 @@ class WebBoots final : public plant::PlantObserver {
     std::deque<Step> steps{};
   };
 
-  void slave_boot_went_on(const plant::NodeLabel& slave, const plant::NodeLabel& master,
-                          const manager::BootRecord& record, can::Time now) override;
   /// By bus and node-ID.
   [[nodiscard]] const std::map<std::pair<std::string, std::uint8_t>, Slave>& slaves() const noexcept {
     return slaves_;
   }
+
+  void on(const plant::Event& event) override;
 
  private:
   std::map<std::pair<std::string, std::uint8_t>, Slave> slaves_;

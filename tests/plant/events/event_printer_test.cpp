@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "canopus/canopen/service/node_listener.hpp"
+#include "canopus/plant/event.hpp"
 
 namespace canopus::plant::event_printer_test {
 namespace {
@@ -17,14 +18,15 @@ constexpr can::Time at{1'250'000us};
 TEST(JsonPrinter, EachEventIsOneLineAsDocumented) {
   text::TextOutput printed;
   JsonPrinter json(printed);
-  json.booted(encoder, at);
-  json.nmt_state_changed(stranger, canopen::NmtState::operational, at);
-  json.emergency(encoder,
-                 {.node_id = 3, .code = 0x8130, .error_register = 0x11, .manufacturer = {1, 2, 3, 4, 0xFF}},
-                 at);
-  json.signal_changed("plc1", 'X', 0x10, true, at);
-  json.buffer_changed("plc1", 0x30, 10000, 513, false, at);
-  json.error("real time", "a \"quote\"", at);
+  json.on({at, BootUp{encoder}});
+  json.on({at, NmtStateChange{stranger, canopen::NmtState::operational}});
+  json.on(
+      {at, EmergencySent{
+               encoder,
+               {.node_id = 3, .code = 0x8130, .error_register = 0x11, .manufacturer = {1, 2, 3, 4, 0xFF}}}});
+  json.on({at, SignalChange{"plc1", 'X', 0x10, true}});
+  json.on({at, BufferChange{"plc1", 0x30, 10000, 513, false}});
+  json.on({at, Failure{"real time", "a \"quote\""}});
   EXPECT_EQ(
       printed.text(),
       R"({"t":1.25,"event":"boot","bus":"line1","node":3,"name":"encoder"})"
@@ -55,9 +57,10 @@ BusErrorEvent stuff_error() {
 TEST(JsonPrinter, ABusErrorIsOneLineWithWhoSawIt) {
   text::TextOutput printed;
   JsonPrinter json(printed);
-  json.bus_error(stuff_error(), at);
-  json.controller_changed(
-      encoder, {.state = can::ErrorState::error_passive, .warning = true, .transmit_errors = 128}, at);
+  json.on({at, stuff_error()});
+  json.on(
+      {at, ControllerChange{
+               encoder, {.state = can::ErrorState::error_passive, .warning = true, .transmit_errors = 128}}});
   EXPECT_EQ(printed.text(),
             R"({"t":1.25,"event":"bus error","bus":"line1","error":"stuff","field":"data","bit":45,"nodes":[)"
             R"({"node":3,"name":"encoder","transmitter":true,"tec":8,"rec":0,"state":"error active"},)"
@@ -71,10 +74,10 @@ TEST(JsonPrinter, ABusErrorIsOneLineWithWhoSawIt) {
 TEST(LinePrinter, OfAController_AreItsStates_AndSingleErrorsAreNone) {
   text::TextOutput printed;
   LinePrinter lines(printed, printed, false);
-  lines.bus_error(stuff_error(), at);
-  lines.controller_changed(encoder,
-                           {.state = can::ErrorState::bus_off, .warning = true, .transmit_errors = 256}, at);
-  lines.controller_changed(encoder, {.warning = true, .receive_errors = 96}, at);
+  lines.on({at, stuff_error()});
+  lines.on({at, ControllerChange{
+                    encoder, {.state = can::ErrorState::bus_off, .warning = true, .transmit_errors = 256}}});
+  lines.on({at, ControllerChange{encoder, {.warning = true, .receive_errors = 96}}});
   EXPECT_EQ(printed.text(),
             "    1.250000  line1 node 3 (encoder): bus-off, TEC 256, REC 0\n"
             "    1.250000  line1 node 3 (encoder): error active (warning), TEC 0, REC 96\n");
@@ -84,7 +87,7 @@ TEST(LinePrinter, OfAController_AreItsStates_AndSingleErrorsAreNone) {
 TEST(JsonPrinter, ANameThatIsNotUtf8DoesNotBreakTheLine) {
   text::TextOutput printed;
   JsonPrinter json(printed);
-  json.booted({"line1", "Ger\xE4t", 3}, at);
+  json.on({at, BootUp{{"line1", "Ger\xE4t", 3}}});
   EXPECT_EQ(printed.text(),
             "{\"t\":1.25,\"event\":\"boot\",\"bus\":\"line1\",\"node\":3,\"name\":\"Ger\xEF\xBF\xBDt\"}\n");
 }
@@ -92,9 +95,9 @@ TEST(JsonPrinter, ANameThatIsNotUtf8DoesNotBreakTheLine) {
 TEST(LinePrinter, LinesAreForPeople) {
   text::TextOutput printed;
   LinePrinter lines(printed, printed, false);
-  lines.booted(encoder, at);
-  lines.signal_changed("plc1", 'Y', 0x02, false, at);
-  lines.buffer_changed("plc1", 0, 13000, 65535, true, at);
+  lines.on({at, BootUp{encoder}});
+  lines.on({at, SignalChange{"plc1", 'Y', 0x02, false}});
+  lines.on({at, BufferChange{"plc1", 0, 13000, 65535, true}});
   EXPECT_EQ(printed.text(),
             "    1.250000  line1 node 3 (encoder): boot-up\n"
             "    1.250000  plc1 Y02 OFF\n"
@@ -104,8 +107,8 @@ TEST(LinePrinter, LinesAreForPeople) {
 TEST(LinePrinter, QuietMeansNothing) {
   text::TextOutput printed;
   LinePrinter lines(printed, printed, true);
-  lines.booted(encoder, at);
-  lines.nmt_state_changed(encoder, canopen::NmtState::stopped, at);
+  lines.on({at, BootUp{encoder}});
+  lines.on({at, NmtStateChange{encoder, canopen::NmtState::stopped}});
   lines.summary({});
   EXPECT_EQ(printed.text(), "");
 }

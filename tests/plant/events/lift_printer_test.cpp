@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/events/event_printer.hpp"
 #include "canopus/sim/lift/lift_report.hpp"
 
@@ -46,7 +47,7 @@ TEST(LiftPrinter, EachEventIsOneLine) {
   text::TextOutput printed;
   JsonPrinter json(printed);
   for (const LiftEvent& event : {hall_call, car_call, boarded, reversed, fault})
-    json.lift_event("hoist", event);
+    json.on({event.time, LiftChange{"hoist", event}});
   EXPECT_EQ(
       printed.text(),
       R"({"t":12.34,"event":"lift","bus":"hoist","what":"call registered","floor":3,"call":"down"})"
@@ -65,7 +66,7 @@ TEST(LiftPrinter, LinesAreForPeople) {
   text::TextOutput printed;
   LinePrinter lines(printed, printed, false);
   for (const LiftEvent& event : {hall_call, car_call, boarded, reversed, fault})
-    lines.lift_event("hoist", event);
+    lines.on({event.time, LiftChange{"hoist", event}});
   EXPECT_EQ(printed.text(),
             "   12.340000  hoist floor 3: call registered: down\n"
             "   12.340000  hoist lift 2 floor 5: call answered: car\n"
@@ -74,7 +75,7 @@ TEST(LiftPrinter, LinesAreForPeople) {
             "   12.340000  hoist lift 1: fault began: position lost\n");
   text::TextOutput nothing;
   LinePrinter quiet(nothing, nothing, true);
-  quiet.lift_event("hoist", fault);
+  quiet.on({fault.time, LiftChange{"hoist", fault}});
   EXPECT_EQ(nothing.text(), "");
 }
 

@@ -11,6 +11,7 @@
 
 #include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/module/interface/event_records.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/sim/lift/lift_report.hpp"
 #include "canopus/web/state/messages.hpp"
@@ -35,35 +36,7 @@ constexpr can::Time at{1'250'000us};
 class Counting final : public plant::PlantObserver {
  public:
   int calls = 0;
-  void booted(const plant::NodeLabel&, can::Time) override { ++calls; }
-  void nmt_state_changed(const plant::NodeLabel&, canopen::NmtState, can::Time) override { ++calls; }
-  void lss_configured(const plant::NodeLabel&, std::uint32_t, can::Time) override { ++calls; }
-  void emergency(const plant::NodeLabel&, const canopen::Emergency&, can::Time) override { ++calls; }
-  void unacknowledged(const plant::NodeLabel&, can::Time) override { ++calls; }
-  void bus_error(const plant::BusErrorEvent&, can::Time) override { ++calls; }
-  void controller_changed(const plant::NodeLabel&, const can::ControllerReport&, can::Time) override {
-    ++calls;
-  }
-  void slave_boot_went_on(const plant::NodeLabel&, const plant::NodeLabel&, const manager::BootRecord&,
-                          can::Time) override {
-    ++calls;
-  }
-  void signal_changed(std::string_view, char, unsigned, bool, can::Time) override { ++calls; }
-  void buffer_changed(std::string_view, unsigned, std::uint32_t, std::uint16_t, bool, can::Time) override {
-    ++calls;
-  }
-  void object_forced(const plant::ForcedObject&, can::Time) override { ++calls; }
-  void object_released(const plant::ForcedObject&, can::Time) override { ++calls; }
-  void lift_event(std::string_view, const sim::lift::LiftEvent&) override { ++calls; }
-  void load(std::string_view, const can::BusLoad&, can::Time) override { ++calls; }
-  void warning(std::string_view, std::string_view, can::Time) override { ++calls; }
-  void module_event(std::string_view, std::string_view, const module::ModuleEventRecord&) override {
-    ++calls;
-  }
-  void module_error(std::string_view, std::string_view, const module::ModuleErrorRecord&) override {
-    ++calls;
-  }
-  void error(std::string_view, std::string_view, can::Time) override { ++calls; }
+  void on(const plant::Event&) override { ++calls; }
 };
 
 TEST(WebEvents, EveryEventComesToBoth) {
@@ -72,24 +45,24 @@ TEST(WebEvents, EveryEventComesToBoth) {
   WebEvents events(first);
   events.set_listener([&](std::string_view line) { lines.emplace_back(line); });
   plant::PlantObserver& all = events.observer();
-  all.booted(encoder, at);
-  all.nmt_state_changed(encoder, canopen::NmtState::operational, at);
-  all.lss_configured(encoder, 250000, at);
-  all.emergency(encoder, {}, at);
-  all.unacknowledged(encoder, at);
-  all.bus_error({}, at);
-  all.controller_changed(encoder, {}, at);
-  all.slave_boot_went_on(encoder, encoder, {}, at);
-  all.signal_changed("plc1", 'X', 0, true, at);
-  all.buffer_changed("plc1", 0, 1, 2, true, at);
-  all.object_forced({}, at);
-  all.object_released({}, at);
-  all.lift_event("line1", {});
-  all.load("line1", {}, at);
-  all.warning("a", "b", at);
-  all.module_event("plc1", "U0", {});
-  all.module_error("plc1", "U0", {});
-  all.error("a", "b", at);
+  all.on({at, plant::BootUp{encoder}});
+  all.on({at, plant::NmtStateChange{encoder, canopen::NmtState::operational}});
+  all.on({at, plant::LssSetting{encoder, 250000}});
+  all.on({at, plant::EmergencySent{encoder, {}}});
+  all.on({at, plant::MissingAck{encoder}});
+  all.on({at, plant::BusErrorEvent{}});
+  all.on({at, plant::ControllerChange{encoder, {}}});
+  all.on({at, plant::SlaveBootStep{encoder, encoder, {}}});
+  all.on({at, plant::SignalChange{"plc1", 'X', 0, true}});
+  all.on({at, plant::BufferChange{"plc1", 0, 1, 2, true}});
+  all.on({at, plant::ObjectForced{{}}});
+  all.on({at, plant::ObjectReleased{{}}});
+  all.on({at, plant::LiftChange{"line1", {}}});
+  all.on({at, plant::LoadMeasured{"line1", {}}});
+  all.on({at, plant::Warning{"a", "b"}});
+  all.on({at, plant::ModuleEvent{"plc1", "U0", {}}});
+  all.on({at, plant::ModuleError{"plc1", "U0", {}}});
+  all.on({at, plant::Failure{"a", "b"}});
   EXPECT_EQ(first.calls, 18);
   EXPECT_THAT(lines, SizeIs(18));
   EXPECT_THAT(lines, Each(AllOf(HasSubstr("\"event\":"), Not(HasSubstr("\n")))));
@@ -99,10 +72,10 @@ TEST(WebEvents, EveryEventComesToBoth) {
 TEST(WebEvents, WhatCameBeforeThereWasAServer_IsNotLost) {
   Counting first;
   WebEvents events(first);
-  events.observer().error("a", "early", at);
+  events.observer().on({at, plant::Failure{"a", "early"}});
   std::vector<std::string> lines;
   events.set_listener([&](std::string_view line) { lines.emplace_back(line); });
-  events.observer().error("a", "late", at);
+  events.observer().on({at, plant::Failure{"a", "late"}});
   EXPECT_THAT(lines, ElementsAre(HasSubstr("early"), HasSubstr("late")));
   EXPECT_EQ(events.lost(7), R"({"t":1.25,"event":"lost","lines":7})");
 }

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "canopus/plant/event.hpp"
 #include "canopus/web/state/events.hpp"
 
 #include "paths.hpp"
@@ -142,8 +143,7 @@ TEST_F(WebViewsTest, ValuesAreTheModulesOwn_AndMove) {
     const Json event = look(R"({"words":0,"find":"g100","count":256})");
     for (const Json& row : event["rows"]) {
       const auto address = row["address"].get<module::BufferAddress>();
-      EXPECT_EQ(row["value"],
-                plant_->module(0).buffer_memory()->peek(address, plant_->timeline().now()));
+      EXPECT_EQ(row["value"], plant_->module(0).buffer_memory()->peek(address, plant_->timeline().now()));
       if (row.value("from", "").starts_with("node 4")) values.push_back(row["value"]);
     }
   }
@@ -250,8 +250,9 @@ TEST_F(WebViewsTest, OfManySteps_TheNewestAreKept) {
   for (unsigned i = 0; i < 200; ++i) {
     record.step = i % 2 == 0 ? manager::BootStep::presence : manager::BootStep::presence_pause;
     record.attempts = i;
-    boots.slave_boot_went_on(slave, master, record, can::Time(std::chrono::seconds(i)));
-    boots.slave_boot_went_on(slave, master, record, can::Time(std::chrono::seconds(i)));  // the same step
+    boots.on({can::Time(std::chrono::seconds(i)), plant::SlaveBootStep{slave, master, record}});
+    boots.on(
+        {can::Time(std::chrono::seconds(i)), plant::SlaveBootStep{slave, master, record}});  // the same step
   }
   const auto& steps = boots.slaves().begin()->second.steps;
   EXPECT_THAT(steps, SizeIs(WebBoots::most_steps));
