@@ -129,7 +129,7 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   void execute_command(can::Time now);
   void set_clock(can::Time now);
   void read_clock(can::Time now);
-  void go_online(can::Time now) { layer2_bus_.go_online(now); }
+  void go_online(can::Time now);
   void go_offline(can::Time now) { layer2_bus_.go_offline(now); }
   void request_trigger(bool on) { parts_.layer2.request_trigger(on); }
   /// Errors, failures and messages that come while these are held are cleared at once.

@@ -134,6 +134,12 @@ void ModuleEngine::begin_save(can::Time now) {
   parts_.concise_dcfs.occupy(parts_.settings.save_deadline());
 }
 
+// What the program has restored before counts: later it would change the words of slots that work already.
+void ModuleEngine::go_online(can::Time now) {
+  if (parts_.settings.save_deadline() != can::never && parts_.settings.restores()) end_save(now);
+  layer2_bus_.go_online(now);
+}
+
 void ModuleEngine::end_save(can::Time now) {
   if (!parts_.settings.end_save()) parts_.report("the flash memory could not be written", now);
   if (parts_.settings.saves()) parts_.diagnostics.log(ModuleEvent::saved, now);

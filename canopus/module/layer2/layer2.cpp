@@ -120,11 +120,12 @@ void Layer2::exchange() {
     if (!own.active) continue;
     own.outgoing = own.next;
     own.strict_dlc = own.next_strict_dlc;
-    const bool changed = own.outgoing != own.last;
-    if (own.transmission == Layer2Transmission::exchange ||
-        (own.transmission == Layer2Transmission::exchange_changed && changed)) {
-      transmit(slot);
-    }
+    const bool cyclic = rules_.exchange_sends_cyclic;
+    const bool sends = own.transmission == Layer2Transmission::exchange ||
+                       (cyclic && own.transmission == Layer2Transmission::cycle);
+    const bool sends_changes = own.transmission == Layer2Transmission::exchange_changed ||
+                               (cyclic && own.transmission == Layer2Transmission::cycle_changed);
+    if (sends || (sends_changes && own.outgoing != own.last)) transmit(slot);
   }
 }
 

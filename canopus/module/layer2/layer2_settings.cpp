@@ -160,7 +160,7 @@ std::optional<BufferAddress> Layer2Settings::settle() noexcept {
   unsigned answering = 0;
   for (unsigned slot = 0; slot < layer2_slots; ++slot) {
     if (kind(slot) != SlotKind::transmit) continue;
-    if (is_cyclic(transmission(slot)) && word(parameters(slot) + 3) == 0)
+    if (!rules_.cycle_of_zero && is_cyclic(transmission(slot)) && word(parameters(slot) + 3) == 0)
       memory_->set_word(parameters(slot) + 3, 1);
     if (response(slot) == RtrResponse::none || ++answering <= layer2_rtr_slots) continue;
     memory_->set_word(parameters(slot) + 1, static_cast<std::uint16_t>(RtrResponse::none));

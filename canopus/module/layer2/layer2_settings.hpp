@@ -33,6 +33,10 @@ struct Layer2Layout {
 struct Layer2Rules {
   /// Unit of parameter D of a transmit slot.
   can::Duration cycle_unit = std::chrono::milliseconds(10);
+  /// Cycle time of a parameter D that is 0, and stays 0. Left out: it becomes 1 on going online.
+  std::optional<can::Duration> cycle_of_zero{};
+  /// A data exchange sends slots of the cyclic types (2 and 3), too, of type 3 those that have changed [FX3U-CAN 9.3.1].
+  bool exchange_sends_cyclic = false;
   /// A setting that makes no sense keeps the module offline. Otherwise it goes online without that slot.
   bool errors_keep_offline = true;
   /// From the 29th slot that answers remote frames on it is also a setting error.
@@ -116,7 +120,8 @@ class Layer2Settings {
     return static_cast<Layer2Transmission>(word(parameters(slot) + 2));
   }
   [[nodiscard]] can::Duration cycle(unsigned slot) const noexcept {
-    return rules_.cycle_unit * word(parameters(slot) + 3);
+    const std::uint16_t units = word(parameters(slot) + 3);
+    return units == 0 && rules_.cycle_of_zero ? *rules_.cycle_of_zero : rules_.cycle_unit * units;
   }
   /// A remote frame counts only if it asks for as many bytes as the slot has (bit 12).
   [[nodiscard]] bool strict_dlc(unsigned slot) const noexcept;
@@ -141,7 +146,7 @@ class Layer2Settings {
   /// Of all slots and stop messages.
   [[nodiscard]] std::optional<BufferAddress> first_error() const noexcept;
   /// What going online makes of the settings: parameter B of slots over the limit becomes 5FFFH, a cycle time
-  /// of 0 becomes 1. Returns the address of the first B that was changed.
+  /// of 0 becomes 1 (but for Layer2Rules::cycle_of_zero). Returns the address of the first B that was changed.
   std::optional<BufferAddress> settle() noexcept;
 
  private:

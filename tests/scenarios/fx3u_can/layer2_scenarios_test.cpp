@@ -52,12 +52,15 @@ TEST(FxLayer2Scenarios, GoingOnline_SendsNothingByItself) {
         .exchange()
         .tx(data(form, 0x100, {0}))
         .tx(data(form, 0x101, {0x11}))
+        .tx(data(form, 0x102, {0}))
         .no_tx();
-    s.exchange().tx(data(form, 0x100, {0})).no_tx().write(bfm_block(2) + 3, 0x12).exchange();
-    s.tx(data(form, 0x100, {0})).tx(data(form, 0x101, {0x12})).no_tx();
+    s.exchange().tx(data(form, 0x100, {0})).tx(data(form, 0x102, {0})).no_tx();
+    s.write(bfm_block(2) + 3, 0x12).exchange();
+    s.tx(data(form, 0x100, {0})).tx(data(form, 0x101, {0x12})).tx(data(form, 0x102, {0})).no_tx();
   }
 }
 
+// The table of 9.3.1 counts in 10 ms; "if cycle time is set to K0, cycle time operates as 1 ms".
 TEST(FxLayer2Scenarios, TL2_04_Cycles_OfTenMilliseconds_AndTheSmallest) {
   RecordProperty("spec", "FX3U-L2TX-003 FX3U-L2TX-004 FX3U-L2TX-006 FX3U-L2TX-007");
   const BlockForm& form = block_forms[0];
@@ -65,21 +68,42 @@ TEST(FxLayer2Scenarios, TL2_04_Cycles_OfTenMilliseconds_AndTheSmallest) {
     BlockScenario s;
     ready(s);
     send_slot(s, 1, 0x123, 0x5FFF, 2, 1, cycle);
-    const auto period = std::chrono::milliseconds(10 * std::max<unsigned>(cycle, 1));
-    s.online()
+    const auto period = std::chrono::milliseconds(cycle == 0 ? 1 : 10 * cycle);
+    s.online().no_tx().expect(1103, cycle);
+    for (int i = 0; i < 5; ++i)
+      s.advance(period - 1us).no_tx().advance(1us).tx(data(form, 0x123, {0})).no_tx();
+    s.write(103, 7)
         .advance(period)
         .tx(data(form, 0x123, {0}))
-        .write(103, 7)
-        .advance(period)
-        .tx(data(form, 0x123, {0}));
-    s.exchange().no_tx().advance(period).tx(data(form, 0x123, {7})).no_tx();
+        .no_tx()
+        .expect(1103, cycle);  // not yet exchanged
   }
-  BlockScenario s;
-  ready(s);
-  send_slot(s, 1, 0x123, 0x5FFF, 3, 1, 10);
-  s.online().advance(100ms).ignore_tx().write(103, 7).exchange().no_tx().advance(100ms).tx(
-      data(form, 0x123, {7}));
-  s.advance(10s).no_tx();
+}
+
+// Types 2 and 3 have two conditions, "with a cycle time set by parameter D" and "BFM #20 bit 0 set to ON"; as those of type 4
+// each of them sends [9.3.1, 9.4].
+TEST(FxLayer2Scenarios, CyclicMessages_AreSentByTheDataExchange_Too) {
+  RecordProperty("spec", "FX3U-L2TX-003 FX3U-L2TX-004");
+  for (const BlockForm& form : block_forms) {
+    BlockScenario s;
+    ready(s, form.mode);
+    send_slot(s, 5, 0x123, 0x5FFF, 2, 1, 10);
+    s.online().advance(30ms).no_tx().exchange().tx(data(form, 0x123, {0})).no_tx();
+    s.write(bfm_block(5) + 3, 7).advance(10ms).exchange().tx(data(form, 0x123, {7})).no_tx();
+    // The cycle goes on as it was.
+    s.advance(57ms).no_tx().advance(1ms).tx(data(form, 0x123, {7})).no_tx().advance(100ms);
+    s.tx(data(form, 0x123, {7})).no_tx();
+    BlockScenario changed;
+    ready(changed, form.mode);
+    send_slot(changed, 5, 0x123, 0x5FFF, 3, 1, 10);
+    changed.online().advance(30ms).exchange().no_tx().write(bfm_block(5) + 3, 7).exchange();
+    changed.tx(data(form, 0x123, {7})).exchange().advance(10s).no_tx();  // nothing new for the cycle
+    // What found no room in the controller is still a change: it comes with the cycle.
+    changed.controller().accepts = false;
+    changed.write(bfm_block(5) + 3, 8).exchange().no_tx();
+    changed.controller().accepts = true;
+    changed.advance(100ms).tx(data(form, 0x123, {8})).advance(10s).no_tx();
+  }
 }
 
 TEST(FxLayer2Scenarios, TL2_06_And07_LongIdentifiers_AndRemoteFrames) {

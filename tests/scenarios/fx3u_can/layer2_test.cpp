@@ -60,6 +60,74 @@ TEST(FxLayer2, OnlineTheConfigurationCannotBeChanged) {
       .expect(29, 0);
 }
 
+// "CAN-ID LW, CAN-ID HW and transmitting data byte number (in RTR/new/DLC)" are defined in the configuration mode [9.1].
+TEST(FxLayer2, OnlineTheFormOfATransmitMessageCannotBeChanged) {
+  RecordProperty("spec", "FX3U-L2-008 FX3U-L2TX-009 FX3U-L2TX-010 FX3U-L2RTR-009");
+  for (const BlockForm& form : block_forms) {
+    for (const unsigned slot : {1U, 42U}) {
+      const module::BufferAddress word = bfm_block(slot) + 2;
+      // Another length, a remote frame, a strict check of the length: of a message that takes each of them offline.
+      for (const auto& [response, value] : std::vector<std::pair<std::uint16_t, std::uint16_t>>{
+               {0x5FFF, 0x0003}, {0x5FFF, 0x0000}, {0x5FFF, 0x8002}, {0x6FFF, 0x1002}, {0x7FFF, 0x1002}}) {
+        BlockScenario s;
+        s.power_on_layer2(form.mode);
+        send_slot(s, slot, 0x123, response, 0, 2);
+        s.online().ignore_tx().write(word, value).expect(word, 2).expect(29, 0x0021);
+        s.expect(40, static_cast<std::uint16_t>(word));
+        s.exchange().tx(data(form, 0x123, {0, 0})).no_tx();
+        s.offline().write(29, 0).write(word, value).expect(word, value).expect(29, 0).online().exchange();
+        const auto length = static_cast<std::uint8_t>(value & 0xF);
+        s.tx((value & 0x8000) != 0 ? remote(form, 0x123, length) : data(form, 0x123, Bytes(length, 0)))
+            .no_tx();
+      }
+    }
+  }
+}
+
+TEST(FxLayer2, OnlineTheFlagsOfAReceivedMessageCanBeTakenAway) {
+  RecordProperty("spec", "FX3U-L2-008 FX3U-L2RX-008");
+  BlockScenario s;
+  s.power_on_layer2();
+  receive_slot(s, 7, 0x181);
+  s.online().rx(0x181, {1, 2, 3}).exchange().expect(bfm_block(7) + 2, 0x0303).write(bfm_block(7) + 2, 0x0003);
+  s.expect(bfm_block(7) + 2, 0x0003).expect(29, 0).expect(40, 0).no_tx();
+}
+
+// "The configuration of the module can only be changed while this bit is OFF" [6.8].
+TEST(FxLayer2, OnlineNothingIsSavedOrRestored) {
+  RecordProperty("spec", "FX3U-L2-030 FX3U-L2-008 FX3U-L2-016 FX3U-L2-017");
+  for (const std::uint16_t bits : Words{1, 2, 3}) {
+    BlockScenario s;
+    s.power_on_layer2();
+    send_slot(s, 1, 0x123, 0x5FFF, 0, 2);
+    s.write(26, 0)
+        .online()
+        .ignore_tx()
+        .write(22, bits)
+        .expect(22, 0)
+        .expect(29, 0x0021)
+        .expect(40, 22)
+        .advance(10s);
+    s.expect(1100, {0xFFFF, 0x5FFF}).expect(100, {0x123, 0, 2}).expect(21, 11);
+    s.exchange().tx(0x123, {0, 0}).no_tx();
+    s.offline().write(29, 0).restart().expect(1100, {0xFFFF, 0xFFFF}).expect(21, 11);  // it was not saved
+  }
+}
+
+TEST(FxLayer2, ARestoreThatRuns_IsDoneBeforeGoingOnline) {
+  RecordProperty("spec", "FX3U-L2-030 FX3U-L2-017");
+  BlockScenario s;
+  s.power_on_layer2();
+  send_slot(s, 1, 0x123, 0x5FFF, 0, 2);
+  s.write(22, 2)
+      .online()
+      .expect(22, 0)
+      .write(26, 0)
+      .expect(1100, {0xFFFF, 0xFFFF})
+      .expect(100, {0xFFFF, 0xFFFF, 0});
+  s.exchange().advance(10s).no_tx().expect(29, 0);
+}
+
 TEST(FxLayer2, ASettingError_StaysWhileOnline) {
   RecordProperty("spec", "FX3U-L2-024 FX3U-L2-025 FX3U-L2TX-008 FX3U-L2TX-009");
   BlockScenario s;

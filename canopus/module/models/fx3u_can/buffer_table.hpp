@@ -39,7 +39,7 @@ inline constexpr std::array table = std::to_array<BufferRow>({
     {     0,      3, "TPDO1 data",                       wo,        0, any_value,               no,  mode_417,  "6.3"},
     {    20,     20, "Data exchange control",            rw,        0, any_value,               no,  all_modes, "6.4"},
     {    21,     21, "Function mode",                    rw,      405, one_of(function_modes),  yes, all_modes, "6.5",   1, true},
-    {    22,     22, "Save/restore configuration",       rw,        0, any_value,               no,  all_modes, "6.6",   1, false, 0x0003},
+    {    22,     22, "Save/restore configuration",       rw,        0, any_value,               no,  all_modes, "6.6",   1, true,  0x0003},
     {    24,     24, "Baud rate",                        rw,      250, one_of(baud_rates),      yes, all_modes, "6.7",   1, true},
     {    25,     25, "Communication status",             rw,   0x0080, any_value,               no,  all_modes, "6.8"},
     {    26,     26, "FROM/TO watchdog",                 rw,       20, between(0, 6553),        yes, all_modes, "6.9"},

@@ -214,7 +214,11 @@ constinit const ModuleModel model{
                            .trigger_flags = 1280,
                            .stop_messages = 1900,
                            .process_data = 100},
-    .layer2_rules = {.errors_keep_offline = false, .base_high_word_ignored = true},
+    .layer2_rules = {.cycle_of_zero = std::chrono::milliseconds(1),
+                     .exchange_sends_cyclic = true,
+                     .errors_keep_offline = false,
+                     .frame_word_is_configuration = true,
+                     .base_high_word_ignored = true},
     .program_interface =
         {.exchange = {.kind = ProgramRequest::Kind::bits, .word = 20, .bits = 1U << 0},
          .online = {.kind = ProgramRequest::Kind::bits, .word = 25, .bits = 1U << 4},
