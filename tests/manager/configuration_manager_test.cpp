@@ -145,8 +145,8 @@ TEST_F(Manager, Request_ConfiguresTheNodeNow) {
 TEST_F(Manager, Request_Refusals) {
   switch_on();
   EXPECT_EQ(conf(2), AbortCode::no_data);
-  EXPECT_EQ(conf(0x80), AbortCode::no_data);
-  EXPECT_EQ(conf(1), AbortCode::none);  // own node
+  EXPECT_EQ(conf(0x80), AbortCode::none);  // nothing to do
+  EXPECT_EQ(conf(1), AbortCode::none);     // own node
   put(2, two_entries);
   EXPECT_EQ(write(0x1F25, 2, 0x666E6F64, 4), AbortCode::cannot_store);
 }
@@ -174,10 +174,12 @@ TEST_F(Manager, RequestToAll_ConfiguresEachNodeThatHasAFile) {
   EXPECT_EQ(fourth.written.size(), 2U);
 }
 
-TEST_F(Manager, RequestToAll_OfTheOwnFileAlone_HasNoData) {
+TEST_F(Manager, RequestToAll_OfTheOwnFileAlone_DoesNothing) {
   configurations.load(1, two_entries);
   switch_on();
-  EXPECT_EQ(conf(0x80), AbortCode::no_data);
+  EXPECT_EQ(conf(0x80), AbortCode::none);
+  run_for(1s);
+  EXPECT_THAT(only(sent(), " 60"), IsEmpty());
 }
 
 // A slave that is not there is asked for 1000H without end; that must not keep the others from their files.

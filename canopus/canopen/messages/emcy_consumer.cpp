@@ -47,6 +47,8 @@ void EmcyConsumer::list_identifiers(std::vector<IdentifierTable::Route>& routes)
 AbortCode EmcyConsumer::before_write(ObjectDictionary& dictionary, const Entry& entry,
                                      std::span<const std::uint8_t> value, can::Time) {
   if (entry.sub == 0) return AbortCode::write_of_read_only;
+  if (node_.options.reserved_bit_30_is_zero && CobId::from(value).has_bit_30())
+    return AbortCode::invalid_value;
   return check_change(CobId{dictionary.get<std::uint32_t>(entry)}, CobId::from(value),
                       node_.options.extended_identifiers);
 }

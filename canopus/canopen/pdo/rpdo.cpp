@@ -182,6 +182,8 @@ AbortCode Rpdos::before_write(ObjectDictionary& dictionary, const Entry& entry,
   switch (entry.sub) {
     case 0: return AbortCode::write_of_read_only;
     case 1: {
+      if (node_.options.reserved_bit_30_is_zero && CobId::from(value).has_bit_30())
+        return AbortCode::invalid_value;
       const CobId before = node_.options.pdo_identifiers_may_change ? CobId{} : cob_id;
       return check_change(before, CobId::from(value), node_.options.extended_identifiers,
                           node_.options.permitted_pdo_identifier);

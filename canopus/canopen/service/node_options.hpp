@@ -30,6 +30,9 @@ struct NodeOptions {
   bool sdo_write_is_event = true;
   /// Bit 30 of a TPDO's COB-ID always reads 1 (no RTR); writing 0 has no effect [ME3CAN1-Q 4.6.5].
   bool tpdo_rtr_bit_is_constant = false;
+  /// Bit 30 of the COB-IDs of RPDOs and emergency consumers is fixed at 0, as bits 11 to 29 are: 06090030H
+  /// [FX3U-CAN 5.6.5, 5.6.13; RJ71CN91 App. 3 1400H, 1028H].
+  bool reserved_bit_30_is_zero = false;
   /// A restricted identifier that PDOs may have all the same [FX3U-CAN Tab. 5.8: 180H].
   std::uint32_t permitted_pdo_identifier = no_identifier;
   /// Transmission types FCH and FDH of TPDOs exist; else they are refused with 06090030H.

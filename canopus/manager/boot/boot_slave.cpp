@@ -84,7 +84,7 @@ void BootSlave::presence_answered(can::Time now) {
     record.error = BootError::no_answer;
     boot_.host.presence_known(boot_.node_id, false, now);
     if (rebooted_) return ask_presence(now);
-    return boot_.enter(BootStep::presence_pause, now, boot_.host.boot_options().presence_retry);
+    return boot_.enter(BootStep::presence_pause, now, pause_before_retry(now));
   }
   record.error = BootError::none;
   boot_.host.presence_known(boot_.node_id, true, now);
@@ -92,6 +92,13 @@ void BootSlave::presence_answered(can::Time now) {
   record.expected = boot_.expected(0x1F84);
   if (record.expected != 0 && record.expected != record.received) return fail(BootError::device_type, now);
   ask_identity(1, now);
+}
+
+can::Duration BootSlave::pause_before_retry(can::Time now) const {
+  const MasterOptions& options = boot_.host.boot_options();
+  if (!options.presence_retry_counts_from_request) return options.presence_retry;
+  constexpr can::Duration next_tick{1};
+  return std::max(options.presence_retry - (now - boot_.transfer.asked_at()), next_tick);
 }
 
 void BootSlave::ask_identity(std::uint8_t sub, can::Time now) {

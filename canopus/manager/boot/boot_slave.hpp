@@ -69,6 +69,7 @@ class BootSlave final : private BootTransferListener {
   void begin(can::Time now);
   void ask_presence(can::Time now);
   void presence_answered(can::Time now);
+  [[nodiscard]] can::Duration pause_before_retry(can::Time now) const;
   void ask_identity(std::uint8_t sub, can::Time now);
   void identity_answered(can::Time now);
   void check_state(can::Time now);

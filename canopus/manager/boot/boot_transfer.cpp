@@ -83,6 +83,7 @@ bool BootTransfer::start(can::Time now) {
   const bool slow = record_->step == BootStep::program_clear || record_->step == BootStep::program_download;
   const can::Duration time_out = slow ? options.program_time_out : options.sdo_time_out;
   in_blocks_ = takes_blocks();
+  asked_at_ = now;
   const Mode mode = in_blocks_ ? Mode::block : Mode::segmented;
   switch (kind_) {
     case Kind::read: return client_.upload(record_->index, record_->sub, *this, now, time_out);

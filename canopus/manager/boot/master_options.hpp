@@ -31,6 +31,8 @@ struct MasterOptions {
   can::Duration wait_after_reset = std::chrono::seconds(1);
   /// Pause before a slave that did not answer is asked for 1000H again [ME3CAN1-Q 4.8.6].
   can::Duration presence_retry = std::chrono::seconds(1);
+  /// The pause counts from the request, not from its time-out, which it does not shorten [FX3U-CAN 5.8.6].
+  bool presence_retry_counts_from_request = false;
   /// A guarding remote frame of the start-up must be answered within this [ME3CAN1-Q 4.8.6].
   can::Duration guarding_probe = std::chrono::milliseconds(100);
   /// How long a slave that was reset in the middle of its boot may take to its boot-up message.

@@ -124,13 +124,11 @@ AbortCode ConfigurationManager::request(std::uint8_t sub, std::span<const std::u
   if (sub != all) return master_->request_configuration(sub, now);
   if (!master_->active()) return master_->options().not_master;
   const std::uint8_t own = master_->active_master();
-  bool any = false;
   for (std::uint8_t node_id = 1; node_id < files_.size(); ++node_id) {
     if (node_id == own || files_[node_id].empty()) continue;
-    any = true;
     static_cast<void>(master_->request_configuration(node_id, now));
   }
-  return any ? AbortCode::none : AbortCode::no_data;
+  return AbortCode::none;
 }
 
 }  // namespace canopus::manager

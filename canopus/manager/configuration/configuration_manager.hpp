@@ -5,7 +5,7 @@
 // slaves.
 //
 // A request for the own node does nothing and is no error; one for a node without a file ends with no_data. A
-// request for all is refused by a node that is not the active master, and when no other node has a file. A
+// request for all does nothing where no other node has a file; a node that is not the active master refuses it. A
 // slave that is being booted meanwhile is left out: it gets its file in the course of the boot, if it needs
 // it.
 //

@@ -16,6 +16,7 @@ canopen::NodeOptions node_options() {
       .send_tpdos_on_start = false,
       .sdo_write_is_event = false,
       .tpdo_rtr_bit_is_constant = true,
+      .reserved_bit_30_is_zero = true,
       .rtr_transmission_types = false,
       .profile_event_transmission_type = false,
       .inhibit_time_resolution = std::chrono::milliseconds(1),

@@ -135,8 +135,13 @@ TEST(FxConfiguration, ARequestToAll_IsForEveryNodeWithData) {
   BlockScenario s;
   prepare_master(s, {{0x1F80, 0, 1, 4}});
   s.advance(2s).ignore_tx();
+  // 08000024H is for :01 to :7F alone [5.8.13].
+  s.cif({0x0002, 0, 0x1F25, 0x80, 4, 0x6F63, 0x666E}).expect(1000, 0x0003).no_tx();
+  for (const std::uint16_t node : Words{1, 126})
+    s.cif({0x0002, 0, 0x1F25, node, 4, 0x6F63, 0x666E}).expect_abort(0x0800'0024).no_tx();
   write_concise_dcf(s, 127);  // its own: never downloaded
-  s.cif({0x0002, 0, 0x1F25, 0x80, 4, 0x6F63, 0x666E}).expect_abort(0x0800'0024).no_tx();
+  for (const std::uint16_t sub : Words{0x80, 127})
+    s.cif({0x0002, 0, 0x1F25, sub, 4, 0x6F63, 0x666E}).expect(1000, 0x0003).no_tx();
   for (const std::uint16_t node : Words{1, 9, 126}) write_concise_dcf(s, node);
   s.cif({0x0002, 0, 0x1F25, 0x80, 4, 0x6F63, 0x666E}).expect(1000, 0x0003);
   for (const std::uint32_t node : {1U, 9U, 126U}) s.tx(0x600 + node, write_1017);

@@ -319,6 +319,52 @@ TEST(FxProcessData, SynchronousRpdos_TakeEffectAfterTheSync) {
   }
 }
 
+// 5.6.5 prints FEH for 405 mode and FFH for 417 mode, 15.1.2 has both for the tool of 405 mode: "0x00 to 0xFF".
+TEST(FxProcessData, BothEventDrivenTypes_AreThereInBothModes) {
+  RecordProperty("spec", "FX3U-PDO-003 FX3U-PDO-008");
+  for (const std::uint16_t mode : Words{405, 417}) {
+    for (const std::uint32_t type : {0xFEU, 0xFFU}) {
+      BlockScenario s;
+      s.power_on().write(26, 0).write(21, mode).save().restart();
+      s.set_object(0x1400, 1, 0x8000'0345, 4).set_object(0x1400, 2, type, 1).set_object(0x1400, 1, 0x345, 4);
+      s.set_object(0x1800, 1, 0xC000'0346, 4).set_object(0x1800, 2, type, 1).set_object(0x1800, 1, 0x346, 4);
+      s.expect_object(0x1400, 2, type, 1).expect_object(0x1800, 2, type, 1).nmt(1).ignore_tx();
+      s.rx(0x345, {0x11, 0x22, 0, 0, 0, 0, 0, 0}).exchange().expect(10000, 0x2211);
+      s.rx(0x080).no_tx().write(11000, 5).exchange().tx(0x346, {5, 0, 0, 0, 0, 0, 0, 0}).exchange().no_tx();
+      for (const std::uint16_t reserved : Words{0xF1, 0xFD}) {
+        s.cif({0x0002, 0, 0x1400, 2, 1, reserved}).expect_abort(0x06090030);
+        s.cif({0x0002, 0, 0x1800, 2, 1, reserved}).expect_abort(0x06090030);
+      }
+    }
+  }
+}
+
+// "Bit 30: fixed to OFF (0)", as bits 11 to 29 are [5.6.5, 5.6.13].
+TEST(FxProcessData, Bit30_OfRpdosAndOfEmergencyConsumers_IsFixed) {
+  RecordProperty("spec", "FX3U-PDO-002 FX3U-EMCY-005");
+  BlockScenario s;
+  s.power_on();
+  const auto refused = [&](std::uint16_t index, std::uint16_t sub, std::uint32_t value) {
+    s.cif({0x0002, 0, index, sub, 4, static_cast<std::uint16_t>(value),
+           static_cast<std::uint16_t>(value >> 16)});
+    s.expect_abort(0x0609'0030);
+  };
+  for (const std::uint32_t bit : {0x4000'0000U, 0xC000'0000U}) {
+    refused(0x1400, 1, bit | 0x27F);
+    refused(0x144F, 1, bit | 0x345);
+    refused(0x1028, 1, bit | 0x081);
+    refused(0x1028, 127, bit | 0x0FF);
+  }
+  s.expect_object(0x1400, 1, 0x27F, 4).expect_object(0x144F, 1, 0x8000'0000, 4);
+  s.expect_object(0x1028, 1, 0x081, 4).expect_object(0x1028, 127, 0x0FF, 4);
+  // Bit 30 of TPDOs is constantly ON.
+  for (const std::uint16_t index : Words{0x1800, 0x184F}) {
+    s.set_object(index, 1, 0x8000'0346, 4).expect_object(index, 1, 0xC000'0346, 4);
+    s.set_object(index, 1, 0x0000'0346, 4).expect_object(index, 1, 0x4000'0346, 4);
+    s.set_object(index, 1, 0x8000'0346, 4);
+  }
+}
+
 // S037
 TEST(FxProcessData, DummyEntries_SkipBytesOfAnRpdo) {
   RecordProperty("spec", "FX3U-OD-002 FX3U-PDO-016");

@@ -59,6 +59,75 @@ TEST(FxBoot, StartAll_ComesAfterTheBootOfTheSlaves_AndAfterTheDelay) {
   }
 }
 
+// "Start all remote nodes" while a slave is not booted would start it, too: then each of the others is started [CiA 302-2;
+// RJ71CN91 1.2 step 9].
+TEST(FxBoot, StartAll_WithAnOptionalSlaveThatIsNotBooted_StartsTheOthersOneByOne) {
+  RecordProperty("spec", "FX3U-BOOT-003 FX3U-BOOT-007");
+  for (const bool is_absent : {true, false}) {  // else it is another device than expected
+    BlockScenario s;
+    prepare_master(s, {{0x1F80, 0, 3, 4},
+                       {0x1F81, 3, 0x0D, 4},
+                       {0x1F81, 4, 0x05, 4},
+                       {0x1F81, 5, 0x05, 4},
+                       {0x1F84, 5, type_of_slave, 4}});
+    s.tx(0x000, {0x82, 0}).rx(0x704, {0x00});
+    identify_slave(s, 4, type_of_slave);
+    s.rx(0x703, {0x00});
+    identify_slave(s, 3, type_of_slave);
+    if (!is_absent) {
+      s.rx(0x705, {0x00});
+      identify_slave(s, 5, 0x12345);
+    }
+    s.advance(400ms).no_tx();  // not before #70 is over
+    s.advance(100ms)
+        .tx(0x000, {0x01, 3})
+        .tx(0x000, {0x01, 4})
+        .no_tx()
+        .expect(25, is_absent ? 0xC201 : 0xA201);
+    if (!is_absent) continue;
+    // When it comes, it is started as the others were.
+    s.advance(10s).ignore_tx().rx(0x705, {0x00});
+    identify_slave(s, 5, type_of_slave);
+    s.tx(0x000, {0x01, 5}).no_tx().expect(25, 0x8201);
+  }
+  BlockScenario all;
+  prepare_master(all, {{0x1F80, 0, 3, 4}, {0x1F81, 3, 0x0D, 4}, {0x1F81, 4, 0x05, 4}});
+  all.tx(0x000, {0x82, 0});
+  for (const std::uint8_t node : Bytes{4, 3}) {
+    all.rx(0x700U + node, {0x00});
+    identify_slave(all, node, type_of_slave);
+  }
+  all.advance(500ms).tx(0x000, {0x01, 0}).advance(10s).no_tx();
+}
+
+// "The NMT Master retries every 1s after the request" [5.8.6]: whatever the time-out of the request is, up to 1 s.
+TEST(FxBoot, TheQuestionForTheDeviceType_IsRepeatedOneSecondAfterIt) {
+  RecordProperty("spec", "FX3U-BOOT-008");
+  const Bytes ask{0x40, 0x00, 0x10, 0, 0, 0, 0, 0}, time_out{0x80, 0x00, 0x10, 0, 0x00, 0x00, 0x04, 0x05};
+  for (const std::uint32_t assignment : {0x0DU, 0x05U}) {
+    for (const std::uint16_t limit : Words{50, 500, 999, 2000}) {
+      BlockScenario s;
+      s.power_on()
+          .write(26, 0)
+          .write(71, limit)
+          .set_object(0x1F80, 0, 1, 4)
+          .set_object(0x1F81, 3, assignment, 4);
+      s.store_objects().save().restart();
+      const auto period = std::chrono::milliseconds(std::max<unsigned>(1000, limit));
+      s.wait_tx(0x603, ask);
+      for (int i = 0; i < 5; ++i) {
+        const can::Time asked = s.now();
+        s.wait_tx(0x603, time_out);
+        EXPECT_EQ(s.now() - asked, std::chrono::milliseconds(limit));
+        s.wait_tx(0x603, ask).no_tx();
+        EXPECT_EQ(std::chrono::floor<std::chrono::milliseconds>(s.now() - asked), period);
+      }
+      // Until the slave responds.
+      s.rx(0x583, {0x43, 0x00, 0x10, 0, 0x91, 0x01, 0x0F, 0}).tx(0x000, {0x01, 3}).advance(1min).no_tx();
+    }
+  }
+}
+
 TEST(FxBoot, WithoutABootTime_ThereIsNoLimit_AndNobodyIsMissing) {
   RecordProperty("spec", "FX3U-BOOT-009 FX3U-NMT-015 FX3U-COM-009");
   for (const std::uint32_t assignment : {0x0DU, 0x05U}) {

@@ -43,13 +43,16 @@ TEST_P(ConfigurationRequest, RequestToAll_LeavesOutASlaveThatIsBeingBooted) {
   s.tx(0x603, {0x2B, 0x17, 0x10, 0x00, 0xE8, 0x03, 0, 0}).no_tx();
 }
 
-// A file for the module itself is never downloaded.
-TEST_P(ConfigurationRequest, RequestToAll_WithAFileForTheOwnNodeAlone_HasNoData) {
+// A file for the module itself is never downloaded; 08000024H is for sub-indexes 01H to 7FH alone.
+TEST_P(ConfigurationRequest, RequestToAll_WithAFileForTheOwnNodeAlone_DoesNothing) {
   spec("ME3-CFG-013 ME3-CFG-014", "RJ71-CM-003");
   IntelligentScenario s(GetParam());
   s.power_on_as_master();
+  const Words request_all{0x0002, 0, 0x1F25, 0x80, 4, 0x6F63, 0x666E};
+  s.cif(request_all).expect(1000, 0x0003).no_tx();
   s.cif(download(1));
-  expect_abort(s, {0x0002, 0, 0x1F25, 0x80, 4, 0x6F63, 0x666E}, 0x08000024);
+  s.cif(request_all).expect(1000, 0x0003).no_tx();
+  expect_abort(s, {0x0002, 0, 0x1F25, 2, 4, 0x6F63, 0x666E}, 0x08000024);
 }
 
 TEST_P(ConfigurationRequest, ConfigurationRequest_NeedsTheActiveMaster) {

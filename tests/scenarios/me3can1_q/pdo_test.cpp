@@ -62,6 +62,22 @@ TEST_P(Pdo, S31_TpdoMappingExample) {
   preset.rx_remote(0x1FF, 8).advance(1s).no_tx();
 }
 
+// "b11 to b30: fixed to 0" [RJ71CN91 App. 3 1400H, 1028H]; the ME3CAN1-Q's tables have bit 31 and the CAN-ID alone.
+TEST_P(Pdo, Bit30_OfRpdosAndOfEmergencyConsumers_IsFixed) {
+  spec("ME3-PDO-020", "RJ71-RPDO-011 RJ71-EMCY-021");
+  IntelligentScenario s(GetParam());
+  s.power_on_as(1);
+  for (const std::uint16_t high : Words{0x4000, 0xC000, 0x0001, 0x2000}) {
+    for (const std::uint16_t index : Words{0x1400, 0x14FF})
+      s.cif({0x0002, 0, index, 1, 4, 0x0345, high}).expect_abort(0x06090030);
+    for (const std::uint16_t node : Words{2, 127})
+      s.cif({0x0002, 0, 0x1028, node, 4, 0x0085, high}).expect_abort(0x06090030);
+  }
+  s.expect_object(0x1400, 1, 0x00000201, 4);
+  s.expect_object(0x14FF, 1, 0x80000000, 4);
+  s.expect_object(0x1028, 127, 0x000000FF, 4);
+}
+
 TEST_P(Pdo, Defaults_CommunicationParameters) {
   spec("ME3-PDO-001 ME3-PDO-002", "RJ71-PDO-002");
   IntelligentScenario s(GetParam());

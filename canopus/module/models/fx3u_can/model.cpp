@@ -19,14 +19,14 @@ canopen::NodeOptions node_options() {
   canopen::NodeOptions options = q_iqr::node_options();
   options.rpdo_timer_for_events_alone = true;
   options.rpdo_time_out_names_pdo = true;
+  options.profile_event_transmission_type = true;
   options.sync_length_error = emcy_code::sync_length;
   return options;
 }
 
-/// Event-driven PDOs have type FFH, those of a drive the CAN-ID 180H [FX3U-CAN 5.6.5, Tab. 5.8].
+/// PDOs of a drive have the CAN-ID 180H [FX3U-CAN Tab. 5.8].
 canopen::NodeOptions lift_node_options() {
   canopen::NodeOptions options = node_options();
-  options.profile_event_transmission_type = true;
   options.permitted_pdo_identifier = 0x180;
   return options;
 }
@@ -154,6 +154,7 @@ constexpr EmergencyRows emergencies{
 manager::MasterOptions master_options() {
   manager::MasterOptions options = q_iqr::master_options();
   options.commands_show_all_nodes = true;
+  options.presence_retry_counts_from_request = true;
   return options;
 }
 
