@@ -96,6 +96,10 @@ struct MasterOptions {
   /// A command to all nodes is shown at those that were never seen, too [FX3U-CAN 6.22]. Decides besides which nodes
   /// are shown as missing.
   bool commands_show_all_nodes = false;
+  /// The retry factor of 1F81H counts repetitions of a guarding request: a node is lost when neither the request nor that many
+  /// repetitions were answered, each within the guard time [FX2N-32CAN 8.2.3]. Else it is lost after guard time x retry
+  /// factor without an answer.
+  bool guarding_is_repeated = false;
 };
 
 /// Why an error control event happened.

@@ -186,7 +186,8 @@ void ErrorControl::ask_state(std::uint8_t node_id) {
 void ErrorControl::start_guarding(std::uint8_t node_id, can::Time now) {
   if (!guards(node_id)) return;
   const std::uint32_t bits = master_.assignment(node_id);
-  master_.slaves[node_id].guarding.start(guard_time(bits), retry_factor(bits), now);
+  master_.slaves[node_id].guarding.start(guard_time(bits), retry_factor(bits),
+                                         master_.options.guarding_is_repeated, now);
   master_.set_error_bits(node_id, error_control::guarding_active, 0, now);
   guarding_tick(node_id, now);
 }

@@ -2,19 +2,20 @@
 
 namespace canopus::manager {
 
-void NodeGuarding::start(can::Duration guard_time, unsigned retry_factor, can::Time now) noexcept {
-  change({.running = true,
-          .toggle_known = state_.toggle_known,
-          .toggle = state_.toggle,
-          .retry_factor = retry_factor,
-          .guard_time = guard_time,
-          .next_request = now,
-          .life_end = later(now, guard_time * retry_factor)});
+void NodeGuarding::start(can::Duration guard_time, unsigned retry_factor, bool repeats,
+                         can::Time now) noexcept {
+  State begun{.running = true,
+              .repeats = repeats,
+              .toggle_known = state_.toggle_known,
+              .toggle = state_.toggle,
+              .retry_factor = retry_factor,
+              .guard_time = guard_time,
+              .next_request = now};
+  begun.life_end = begun.life_end_from(now);
+  change(begun);
 }
 
-void NodeGuarding::stop() noexcept {
-  change({.toggle_known = state_.toggle_known, .toggle = state_.toggle});
-}
+void NodeGuarding::stop() noexcept { change({.toggle_known = state_.toggle_known, .toggle = state_.toggle}); }
 
 void NodeGuarding::expect_silence() noexcept {
   state_.silence_expected = !state_.lost;
@@ -45,7 +46,7 @@ NodeGuarding::Due NodeGuarding::tick(can::Time now) noexcept {
     // With a retry factor of 1 the life time is no longer than the guard time: the answer to the remote frame
     // just sent must still have its time, or any jitter would lose the slave.
     const can::Time least = later(state_.requested, state_.guard_time);
-    if (state_.retry_factor == 1 && state_.awaiting && !due.missed && least > now) {
+    if (state_.retry_factor == 1 && !state_.repeats && state_.awaiting && !due.missed && least > now) {
       state_.life_end = least;
     } else {
       due.lost = !state_.lost;
@@ -70,7 +71,7 @@ NodeGuarding::Answer NodeGuarding::answer(std::uint8_t byte, can::Time now) noex
   state_.awaiting = false;
   state_.answered = true;
   state_.lost = false;
-  state_.life_end = later(now, state_.guard_time * state_.retry_factor);
+  state_.life_end = state_.life_end_from(now);
   set_alarm();
   return result;
 }

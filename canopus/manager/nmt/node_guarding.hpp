@@ -1,7 +1,8 @@
 #pragma once
 // Node guarding, master side, of one slave [CiA 301 node guarding; ME3CAN1-Q 4.6.7]: a remote frame
 // 700H + node-ID every guard time, answered by one byte: toggle bit 7 and the slave's state. The slave is
-// lost when it was not heard for its life time (guard time x retry factor).
+// lost when it was not heard for its life time (guard time x retry factor), or when a request was repeated in vain as
+// often as the retry factor says.
 //
 // Decides only; the remote frames are sent by its owner.
 
@@ -25,8 +26,9 @@ class NodeGuarding {
     bool resolved = false;  ///< the slave was lost before
   };
 
-  /// Begins; the first remote frame is due at once. retry_factor >= 1, guard_time > 0.
-  void start(can::Duration guard_time, unsigned retry_factor, can::Time now) noexcept;
+  /// Begins; the first remote frame is due at once. retry_factor >= 1, guard_time > 0. `repeats`: the retry factor counts
+  /// repetitions (MasterOptions::guarding_is_repeated).
+  void start(can::Duration guard_time, unsigned retry_factor, bool repeats, can::Time now) noexcept;
   /// The toggle bit is remembered: the slave goes on with it when guarding starts again.
   void stop() noexcept;
   /// Nothing is known of the slave.
@@ -48,6 +50,7 @@ class NodeGuarding {
  private:
   struct State {
     bool running = false;
+    bool repeats = false;
     bool awaiting = false;
     bool answered = false;
     bool lost = false;
@@ -59,6 +62,13 @@ class NodeGuarding {
     can::Time requested{};
     can::Time next_request = can::never;
     can::Time life_end = can::never;
+
+    /// After a sign of life at `now`, with the next request already planned. The next request and each repetition have the
+    /// guard time for their answer.
+    [[nodiscard]] can::Time life_end_from(can::Time now) const noexcept {
+      return repeats ? later(next_request, guard_time * (retry_factor + 1))
+                     : later(now, guard_time * retry_factor);
+    }
   };
   void change(const State& state) noexcept {
     state_ = state;

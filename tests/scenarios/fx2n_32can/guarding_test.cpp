@@ -22,11 +22,14 @@ void take_guarding(Fx2nScenario& s, std::uint8_t node, std::uint8_t time, std::u
   s.accepts(node, {0x2F, 0x0D, 0x10, 0, factor, 0, 0, 0}, where);
 }
 
-/// A manager that guards node 5 every 100 ms, 3 times; the slave is Operational, its next toggle bit is 0x80.
-void start_guarding(Fx2nScenario& s, std::uint16_t services = 1, Where where = Where::current()) {
-  s.start_as_manager(where).cif(assign({{5, services, 100, 3}}));
-  take_guarding(s, 5, 100, 3, where);
-  s.expect(1000, {0x8401, 0, 0, 0, 0}, where).expect_object(0x1F81, 5, 0x0064'0300U + services, 4, where);
+/// A manager that guards node 5 every 100 ms, with 3 retries; the slave is Operational, its next answer is 05H. 1 ms after its
+/// last one.
+void start_guarding(Fx2nScenario& s, std::uint16_t services = 1, std::uint8_t retries = 3,
+                    Where where = Where::current()) {
+  s.start_as_manager(where).cif(assign({{5, services, 100, retries}}));
+  take_guarding(s, 5, 100, retries, where);
+  s.expect(1000, {0x8401, 0, 0, 0, 0}, where);
+  s.expect_object(0x1F81, 5, 0x0064'0000U + 0x100U * retries + services, 4, where);
   s.advance(9ms);  // the manager takes the slave's SDO channel when the command has left it
   if ((services & 4) != 0) s.says(5, 0x1000, 0, 0x191, where);
   s.tx_remote(0x705, where).rx(0x705, {0x7F}).tx(0x000, {1, 5}, where).no_tx(where);
@@ -63,14 +66,35 @@ TEST(Fx2nGuarding, ALostSlave) {
   Fx2nScenario s;
   start_guarding(s);
   s.advance(100ms).tx_remote(0x705).cif({0x8500, 5}).expect(1002, 0x0001);
-  s.advance(99ms).tx_remote(0x705).cif({0x8500, 5}).expect(1002, 0x0005).expect(29, 0);
-  s.advance(97ms).expect(29, 0).advance(1ms).tx_remote(0x705).expect(29, 0x0400);
+  for (int retry = 1; retry <= 3; ++retry)
+    s.advance(99ms).tx_remote(0x705).cif({0x8500, 5}).expect(1002, 0x0005).expect(29, 0);
+  s.advance(97ms).no_tx().expect(29, 0).advance(1ms).tx_remote(0x705).expect(29, 0x0400);
   s.cif({0x8500, 5}).expect(1000, {0x8501, 5, 0x000D}).expect(29, 0x0400);
   // Heard again: what was wrong stays in the latch. Nothing is done for it without bit 2.
   s.rx(0x705, {0x05}).cif({0x8500, 5}).expect(1002, 0x000D).expect(29, 0x0400).no_tx();
   s.write(29, 0).expect(29, 0x0400);
   s.cif({0x8600, 5}).expect(1000, 0x8601).expect(29, 0).cif({0x8500, 5}).expect(1002, 0x0001).no_tx();
   s.rx(0x705, {0x00}).advance(50ms).no_tx();
+}
+
+// "If no response is received from the slave station, the request is repeated after the next 'n x 1ms' has elapsed until the
+// specified number of retries has been submitted. If no response is received, a Guarding error will occur" [8.2.3].
+TEST(Fx2nGuarding, ARequestIsRepeatedAsOftenAsThereAreRetries) {
+  RecordProperty("spec", "FX2N-GRD-008 FX2N-GRD-007");
+  for (const std::uint8_t retries : Bytes{1, 2, 7, 255}) {
+    for (const bool answers_the_last : {false, true}) {
+      Fx2nScenario s;
+      start_guarding(s, 1, retries);
+      s.advance(99ms).tx_remote(0x705).no_tx().expect(29, 0);
+      for (unsigned retry = 1; retry <= retries; ++retry)
+        s.advance(99ms).no_tx().advance(1ms).tx_remote(0x705).no_tx().expect(29, 0);
+      s.advance(99ms).no_tx().expect(29, 0);
+      if (answers_the_last) s.rx(0x705, {0x05});
+      s.advance(1ms).tx_remote(0x705).no_tx().expect(29, answers_the_last ? 0 : 0x0400);
+      // Guarding goes on.
+      s.advance(100ms).tx_remote(0x705).no_tx();
+    }
+  }
 }
 
 TEST(Fx2nGuarding, WithBit2_ASlaveIsBroughtBack) {
@@ -83,7 +107,9 @@ TEST(Fx2nGuarding, WithBit2_ASlaveIsBroughtBack) {
   answer(s, 0x85);
   s.no_tx();
   // A guarding error.
-  s.advance(300ms).tx_remote(0x705).tx_remote(0x705).tx_remote(0x705).tx(0x000, {0x82, 5});
+  s.advance(500ms);
+  for (int request = 0; request < 5; ++request) s.tx_remote(0x705);
+  s.tx(0x000, {0x82, 5});
   s.expect(29, 0x0400).rx(0x705, {0x00}).advance(1ms).says(5, 0x1000, 0, 0x191);
   s.tx_remote(0x705).rx(0x705, {0x7F}).tx(0x000, {1, 5}).no_tx();
 }
@@ -187,6 +213,33 @@ TEST(Fx2nGuarding, AGuardedNode_MissesItsManager) {
   s.cif({0x8500, 7}).expect(1000, {0x8501, 7, 0x0040}).expect(25, 0x0201);
   s.cif({0x8500, 128}).expect(1000, {0x8502, 7, 0x0040});
   s.cif({0x8600, 7}).expect(1000, 0x8601).expect(29, 0).cif({0x8500, 7}).expect(1002, 0).ignore_tx();
+}
+
+// "By writing to the Object Dictionary using the CIF SDO write command" [7.2], and what 7.2 does not say.
+TEST(Fx2nManager, DefinedBySdoWrite_IsItFromTheNextStartOn_IfThatIsStored) {
+  RecordProperty("spec", "FX2N-NMT-001 FX2N-NMT-006");
+  for (const bool is_stored : {false, true}) {
+    Fx2nScenario s;
+    s.start(1).set_object(0x1F80, 0, 1, 4).set_object(0x1F81, 5, 1, 4);
+    if (is_stored) s.set_object(0x1010, 1, 0x6576'6173, 4);
+    s.advance(10s).no_tx().expect(25, 0x0101).write(25, 1).advance(6s).tx(0x701, {0x00});
+    if (is_stored) s.tx(0x000, {0x82, 0});
+    s.advance(3s);
+    if (is_stored) s.tx(0x000, {1, 5});
+    s.no_tx().expect_object(0x1F80, 0, is_stored ? 1 : 0, 4);
+  }
+}
+
+TEST(Fx2nManager, ItsReset_UndoesModeA_UnlessThatIsStored) {
+  RecordProperty("spec", "FX2N-MAPA-008 FX2N-BKP-004");
+  for (const bool is_stored : {false, true}) {
+    Fx2nScenario s;
+    s.start(2).cif({0x8200}).expect(1000, 0x8201).expect_object(0x1400, 1, 0x181, 4);
+    if (is_stored) s.set_object(0x1010, 1, 0x6576'6173, 4);
+    s.nmt(0x82).wait_tx(0x702, {0x00});
+    s.expect_object(0x1400, 1, is_stored ? 0x181 : 0x202, 4);
+    s.expect_object(0x141D, 1, is_stored ? 0x288 : 0x8000'0000, 4);
+  }
 }
 
 TEST(Fx2nManager, StartsItsNetwork) {

@@ -126,6 +126,7 @@ manager::MasterOptions master_options() {
   options.assignment_bits = slave | boot_slave;
   options.boot_bit_is_for_recovery = true;
   options.toggle_error_is_shown = true;
+  options.guarding_is_repeated = true;
   options.block_from = 0;
   return options;
 }
