@@ -9,6 +9,7 @@
 #include "canopus/manager/boot/boot_record.hpp"
 #include "canopus/module/interface/event_records.hpp"
 #include "canopus/module/interface/slave_boot_record.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/event.hpp"
 #include "canopus/plant/slave_boot.hpp"
 
@@ -62,8 +63,8 @@ ModuleInRack::ModuleInRack(const ModuleSection& section, std::string_view plc, p
   watched_.resize(section.watch.size());
   module_->set_observer(this);
   rack_.add_listener(*this);
-  for (can::Alarm* part :
-       {&module_->alarm(), &program_.alarm(), &exchange_watch_.alarm(), &next_fault_, &after_stop_due_}) {
+  for (can::Alarm* part : {&module_->alarm(), &program_.alarm(), &exchange_watch_.alarm(), &next_fault_,
+                           &next_download_, &after_stop_due_}) {
     alarm().add_part(*part);
   }
 }
@@ -75,6 +76,8 @@ void ModuleInRack::collect_boots(std::vector<SlaveBoot>& all) const {
 }
 
 void ModuleInRack::supply_changed(bool on, can::Time now) {
+  if (on && download_again_ && next_download_ == can::never)
+    next_download_ = can::later(now, download_again_->second);
   if (on && section_.fault_at) next_fault_ = can::later(now, *std::exchange(section_.fault_at, std::nullopt));
   status_.is_on = on;
   after_stop_ = AfterStop::nothing;
@@ -174,6 +177,11 @@ void ModuleInRack::tick(can::Time now) {
   if (next_fault_ <= now) {
     next_fault_ = can::never;
     module_->inject(section_.fault, now);
+  }
+  if (next_download_ <= now) {
+    next_download_ = can::never;
+    const auto [download, after] = *std::exchange(download_again_, std::nullopt);
+    (void)find_module(section_.model)->download(*module_, download, now);
   }
   program_.tick(now);
   exchange_watch_.tick(now);

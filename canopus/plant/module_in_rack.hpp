@@ -8,10 +8,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "canopus/manager/boot/boot_record.hpp"
 #include "canopus/module/interface/communication_module.hpp"
+#include "canopus/module/interface/download.hpp"
 #include "canopus/module/interface/non_volatile_memory.hpp"
 #include "canopus/module/interface/observer.hpp"
 #include "canopus/plant/file/plant_file.hpp"
@@ -36,6 +38,11 @@ class ModuleInRack final : public can::Participant, public module::ModuleObserve
   [[nodiscard]] const ModuleSection& section() const noexcept { return section_; }
   NodeStatus& status() noexcept { return status_; }
   const NodeStatus& status() const noexcept { return status_; }
+
+  /// The module's tool downloads this so long after the supply has come for the first time.
+  void download_again(module::Download download, can::Duration after) {
+    download_again_ = {std::move(download), after};
+  }
 
   /// Adds the slaves that this module boots as the active NMT master.
   void collect_boots(std::vector<SlaveBoot>& all) const;
@@ -99,6 +106,8 @@ class ModuleInRack final : public can::Participant, public module::ModuleObserve
   std::uint32_t own_outputs_ = 0;
   std::array<BootSeen, 128> boots_seen_{};
   can::Alarm next_fault_;
+  std::optional<std::pair<module::Download, can::Duration>> download_again_;
+  can::Alarm next_download_;
   AfterStop after_stop_ = AfterStop::nothing;
   can::Alarm after_stop_due_;
   can::Time out_of_operation_since_{};

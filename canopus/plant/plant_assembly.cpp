@@ -67,7 +67,7 @@ std::vector<text::FileError> Assembly::run() {
   for (std::size_t i = 0; i < parts_.modules.size(); ++i) {
     add_parameters(parts_.modules[i]->section(), module_plcs_[i], parts_.modules[i]->module());
   }
-  for (const auto& seat : parts_.modules) add_download(seat->section(), seat->module());
+  for (const auto& seat : parts_.modules) add_download(*seat);
   for (const auto& master : parts_.modules) {
     if (master->section().master) configure_network(master->section(), master->module());
   }
@@ -345,7 +345,7 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
   module::CommunicationModule& module = seat->module();
   const auto bus_section = std::ranges::find(parts_.file.buses, section.bus, &BusSection::name);
   if (entry.download != nullptr)
-    (void)entry.download(module, module_parameters(*entry.data_sheet, section, *bus_section));
+    (void)entry.download(module, module_parameters(*entry.data_sheet, section, *bus_section), {});
   errors_.add(preset_words(module, *entry.data_sheet, section, *bus_section));
   errors_.add(preset_objects(module, section));
   errors_.add(give_parameters(module, section));

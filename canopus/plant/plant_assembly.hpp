@@ -91,7 +91,7 @@ class Assembly {
   };
   const canopen::DictionaryDescription* dictionary_of(const ModuleSection& section, const WantedNode& node);
   /// The node list that CANopen Builder has downloaded.
-  void add_download(const ModuleSection& section, module::CommunicationModule& module);
+  void add_download(ModuleInRack& seat);
   void configure_network(const ModuleSection& section, module::CommunicationModule& module);
   void add_outside_slave(const ModuleSection& master, const SlaveSection& slave, ModuleNetwork& network);
   void add_bus(const BusSection& section);

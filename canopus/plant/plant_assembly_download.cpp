@@ -134,12 +134,14 @@ module::Download module_parameters(const module::DataSheet& data_sheet, const Mo
   if (!section.download) return parameters;
   const DownloadSection& download = *section.download;
   if (download.is_slave) parameters.work_mode = module::Download::WorkMode::slave;
+  parameters.node_id = download.wrong_node_id.value_or(static_cast<std::uint8_t>(parameters.node_id));
   parameters.cycle_period = download.cycle_period.value_or(parameters.cycle_period);
   parameters.master_heartbeat = download.master_heartbeat.value_or(parameters.master_heartbeat);
   return parameters;
 }
 
-void Assembly::add_download(const ModuleSection& section, module::CommunicationModule& module) {
+void Assembly::add_download(ModuleInRack& seat) {
+  const ModuleSection& section = seat.section();
   const CatalogueEntry& entry = *find_module(section.model);
   if (!section.download || entry.download == nullptr) return;
   const auto bus = std::ranges::find(parts_.file.buses, section.bus, &BusSection::name);
@@ -158,8 +160,13 @@ void Assembly::add_download(const ModuleSection& section, module::CommunicationM
     });
     if (device != parts_.file.devices.end()) advise_synchronous(slave, *device, parts_.warnings);
   }
+  if (section.download->wrong_node_id) {
+    warn(section.download->place, "download: node_id = {} is no node-ID: the {} stays off the bus",
+         *section.download->wrong_node_id, section.model);
+  }
   if (complete && found.empty()) {
-    for (const std::string& error : entry.download(module, std::move(download)))
+    if (section.download->again_at) seat.download_again(download, *section.download->again_at);
+    for (const std::string& error : entry.download(seat.module(), std::move(download), {}))
       found.add(section.download->place, "download: {}", error);
   }
   errors_.add(found.take());

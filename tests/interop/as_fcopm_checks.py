@@ -245,6 +245,25 @@ def libmodbus_runs_the_requests_of_an_as_fcopm():
     requests_of_an_as_fcopm(libmodbus())
 
 
+# --- codes of the card itself
+
+
+@check
+@covers("ASF-SRM-002 ASF-SRM-005 ASF-SRS-003 ASF-CFG-010 ASF-CFG-011 ASF-CFG-012")
+def a_wrong_node_id_and_downloads_of_an_as_fcopm_are_shown_in_sr825():
+    """F5H of a node-ID that is none: nothing is sent. F2H, as slave A3H, while the running PLC gets a download, then as before."""
+    client = pymodbus()
+    for name, download, shown in (("wrong-node", "node_id = 200", ("00F5",)),
+                                  ("download", 'again_at = "3s"', ("00F1", "00F2", "00F1")),
+                                  ("download-slave", 'work_mode = "slave"\nagain_at = "3s"', ("00A1", "00A3", "00A1"))):
+        with running(card_plant(name, download, card="node = 1"), has_plc=False) as plant:
+            with hands(client, plant) as plc:
+                for code in shown:
+                    plc.become(SR + 825, code)
+            frames = ended(plant)
+        require(bool(frames) == (name != "wrong-node"), f"{name}: {frames}")
+
+
 # --- the servo
 
 

@@ -31,6 +31,7 @@ PLANS = {
     "a_replay_on_a_bus_without_another_node_ends_with_an_error": _waits(20),
     "master_tells_why_a_slave_does_not_boot": _waits(13),
     "a_running_network_is_adopted_and_runs_again_from_its_project": _waits(13),
+    "a_wrong_node_id_and_downloads_of_an_as_fcopm_are_shown_in_sr825": _waits(13),
     "example_program_of_the_fx3u_can_does_what_the_function_blocks_do": _waits(11),
     "idle_plc_clients_give_way_and_it_is_said": _waits(11),
     "scan_finds_an_fx3u_can_as_the_configuration_tool_does": _waits(10),

@@ -128,6 +128,48 @@ TEST_F(AsFcopmPlant, AsSlave) {
   EXPECT_EQ(word(plc::Device::sd, 822), 500U);
 }
 
+// "The node address in the AS300 Series PLC should be between: 1-127" [10.5.1 F5].
+TEST_F(AsFcopmPlant, ANodeIdThatIsNone_IsASettingError) {
+  RecordProperty("spec", "ASF-SRM-005 ASF-CFG-007 ASF-CFG-011");
+  for (const unsigned id : {0U, 128U, 255U}) {
+    const std::string text = plant_of(
+        "node = 1",
+        fmt::format("{}", slave).replace(0, 22, fmt::format("[plc.module.download]\nnode_id = {}\n", id)));
+    EXPECT_THAT(check(text),
+                ElementsAre(HasSubstr(fmt::format(
+                    "download: node_id = {} is no node-ID: the AS-FCOPM stays off the bus", id))));
+    start(text);
+    EXPECT_EQ(word(plc::Device::sd, 825), 0xF5U);
+    run(1min);
+    EXPECT_EQ(word(plc::Device::sd, 825), 0xF5U);
+    EXPECT_EQ(word(plc::Device::sd, 832), 0U) << "it looks for nobody";
+  }
+}
+
+TEST_F(AsFcopmPlant, ADownloadIntoTheRunningCard_IsShownWhileItRuns) {
+  RecordProperty("spec", "ASF-SRM-002 ASF-SRS-003 ASF-CFG-010 ASF-CFG-012");
+  const auto shown = [&] { return word(plc::Device::sd, 825); };
+  start(plant_of("node = 1",
+                 fmt::format("{}", slave).replace(0, 22, "[plc.module.download]\nagain_at = \"10s\"\n")));
+  EXPECT_EQ(shown(), 0U);
+  run(3990ms);
+  EXPECT_EQ(shown(), 0U);
+  run(20ms);
+  EXPECT_EQ(shown(), 0xF2U);
+  run(1980ms);
+  EXPECT_EQ(shown(), 0xF2U);
+  run(20ms);
+  EXPECT_EQ(shown(), 0U);
+  run(1min);
+  EXPECT_EQ(shown(), 0U) << "once";
+  EXPECT_EQ(word(plc::Device::sd, 832), 0U);
+  start(plant_of("node = 9", "[plc.module.download]\nwork_mode = \"slave\"\nagain_at = \"10s\"\n"));
+  run(4010ms);
+  EXPECT_EQ(shown(), 0xA3U);
+  run(2s);
+  EXPECT_EQ(shown(), 0xA1U);
+}
+
 TEST_F(AsFcopmPlant, MistakesAreFoundWithTheirPlaces) {
   RecordProperty("spec", "ASF-GEN-010 ASF-GEN-004 ASF-GEN-006 ASF-SDO-006 ASF-TOOL-005");
   const auto of_slave = [](std::string_view line) {
@@ -162,6 +204,9 @@ TEST_F(AsFcopmPlant, MistakesAreFoundWithTheirPlaces) {
       {"[plc.module.download]\n[[plc.module.download.slave]]\nnode = 4\n",
        "there is no device or module with node = 4"},
       {"[plc.module.download]\nwork_mode = \"both\"\n", "expected \"master\" or \"slave\""},
+      {"[plc.module.download]\nnode_id = 5\n", "node_id = 5: expected no node-ID, 0 or 128 to 255"},
+      {"[plc.module.download]\nnode_id = 256\n", "node_id = 256: expected no node-ID, 0 or 128 to 255"},
+      {"[plc.module.download]\nagain_at = \"soon\"\n", "again_at"},
       {of_slave("") + "[[plc.module.download.slave]]\nnode = 3\n", "node 3 is in the node list already"},
   };
   for (const auto& [download, message] : mistakes) {

@@ -59,7 +59,7 @@ struct DownloadedSlave {
 struct Download {
   enum class WorkMode : std::uint8_t { master, slave };
   WorkMode work_mode = WorkMode::master;
-  unsigned node_id = 1;                   ///< 1..127
+  unsigned node_id = 1;                   ///< 1..127; another one is a setting error of the module
   std::uint16_t bit_rate = 1000;          ///< kbit/s
   std::uint16_t cycle_period = 50;        ///< between two SYNC messages, ms; 0: none
   std::uint16_t master_heartbeat = 200;   ///< ms; 0: none

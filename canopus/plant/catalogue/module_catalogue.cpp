@@ -56,9 +56,10 @@ constexpr std::array racks_of_fx3 = {plc::CpuFamily::fx3};
 constexpr std::array racks_of_as300 = {plc::CpuFamily::as300};
 
 /// Of a module that this catalogue has made.
-std::vector<std::string> download_to_card(module::CommunicationModule& card, module::Download download) {
-  std::vector<std::string> errors = module::as_fcopm::check(download);
-  if (errors.empty()) static_cast<module::as_fcopm::AsFcopm&>(card).download(std::move(download));
+std::vector<std::string> download_to_card(module::CommunicationModule& card, module::Download download,
+                                          can::Time now) {
+  std::vector<std::string> errors = module::as_fcopm::check_download(download);
+  if (errors.empty()) static_cast<module::as_fcopm::AsFcopm&>(card).download(std::move(download), now);
   return errors;
 }
 

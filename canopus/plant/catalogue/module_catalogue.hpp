@@ -52,9 +52,9 @@ struct CatalogueEntry {
   /// Function modes whose objects are not those above.
   std::span<const ModeObjects> more_modes{};
   /// Of a module whose tool downloads a node list: does so, or changes nothing and returns what is wrong with it, a sentence
-  /// each. nullptr: it is another module.
-  std::vector<std::string> (*download)(module::CommunicationModule& module,
-                                       module::Download download) = nullptr;
+  /// each. nullptr: it is another module. Without supply the download is there at once.
+  std::vector<std::string> (*download)(module::CommunicationModule& module, module::Download download,
+                                       can::Time now) = nullptr;
   /// The one place of the rack that it fits into; 0: any.
   std::uint16_t only_place = 0;
   /// The errors that its words show; never null.

@@ -15,6 +15,8 @@ namespace canopus::plant {
 struct DownloadSection {
   text::Place place{};
   bool is_slave = false;                            ///< work_mode = "slave"
+  std::optional<std::uint8_t> wrong_node_id{};      ///< node_id: 0, or 128 to 255
+  std::optional<can::Duration> again_at{};          ///< when the same is downloaded once more
   std::optional<std::uint16_t> cycle_period{};      ///< ms
   std::optional<std::uint16_t> master_heartbeat{};  ///< ms
   struct Object {

@@ -103,6 +103,13 @@ DownloadSection read_download(text::TableReader& table) {
     if (*mode != "master" && *mode != "slave") table.error("work_mode", "expected \"master\" or \"slave\"");
     download.is_slave = *mode == "slave";
   }
+  constexpr std::string_view wrong_ids =
+      "expected no node-ID, 0 or 128 to 255: the node-ID of the card is node";
+  if (const auto id = table.integer("node_id", 0, 255, wrong_ids)) {
+    if (*id >= 1 && *id <= 127) table.error("node_id", wrong_ids);
+    download.wrong_node_id = static_cast<std::uint8_t>(*id);
+  }
+  download.again_at = table.parsed("again_at", text::parse_duration);
   download.cycle_period = read_milliseconds(table, "cycle_period");
   download.master_heartbeat = read_milliseconds(table, "master_heartbeat");
   table.tables("slave", "plc.module.download.slave", [&](text::TableReader& inner) {

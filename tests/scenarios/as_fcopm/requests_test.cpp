@@ -208,6 +208,47 @@ TEST_F(FcopmRequests, A12_ReservedWordsDoNotMatter_LeftoverDataAreSent) {
   EXPECT_EQ(sent(0x603), (std::vector<Bytes>{{0x23, 0x2D, 0x21, 0, 0x01, 0x00, 0x88, 0x88}}));
 }
 
+// "Clear the request message mapping area to zero" [10.4]; "0: No data transmission request" [10.4.1].
+TEST_F(FcopmRequests, AnAreaOfZerosAsksForNothing) {
+  RecordProperty("spec", "ASF-REQ-021 ASF-REQ-007 ASF-REQ-009");
+  slaves[3].objects[{0x2009, 0}] = {1, 0};
+  for (int i = 0; i < 3; ++i) {
+    ask(Words(32, 0));
+    EXPECT_EQ(response(32), Words(32, 0)) << i;
+    EXPECT_EQ(messages(), 0U);
+    ask({0x0101, 4, 0x0103, 0x2009, 0});  // each time with the same ReqID
+    EXPECT_EQ(sent(0x603).size(), 1U) << i;
+    EXPECT_EQ(response(6), (Words{0x0101, 6, 0x4B03, 0x2009, 0, 1}));
+    forget();
+  }
+  // What is on its way is still shown, and its answer comes.
+  slaves[3].answers = false;
+  ask({0x0201, 4, 0x0103, 0x2009, 0});
+  ask(Words(32, 0));
+  EXPECT_EQ(response(3), (Words{0x0202, 0, 0x0003}));
+  receive(0x583, {0x4B, 0x09, 0x20, 0x00, 0x11, 0x00, 0, 0});
+  EXPECT_EQ(response(6), (Words{0x0201, 6, 0x4B03, 0x2009, 0, 0x0011}));
+}
+
+TEST_F(FcopmRequests, AnAreaThatIsClearedAndFilledWithinAScan_IsANewRequest) {
+  RecordProperty("spec", "ASF-REQ-022 ASF-REQ-003 ASF-REQ-007");
+  slaves[3].objects[{0x2009, 0}] = {1, 0};
+  ask({0x0101, 4, 0x0103, 0x2009, 0});
+  for (int i = 0; i < 3; ++i) {
+    forget();
+    for (std::uint32_t word = 25000; word <= 25031; ++word) set_d(word, 0);
+    ask({0x0101, 4, 0x0103, 0x2009, 0});
+    EXPECT_EQ(sent(0x603), (std::vector<Bytes>{{0x40, 0x09, 0x20, 0, 0, 0, 0, 0}})) << i;
+    EXPECT_EQ(response(6), (Words{0x0101, 6, 0x4B03, 0x2009, 0, 1}));
+    run(100ms);
+    EXPECT_EQ(sent(0x603).size(), 1U) << "once";
+  }
+  forget();
+  for (std::uint32_t word = 25001; word <= 25031; ++word) set_d(word, 0);  // the ReqID is not touched
+  ask({0x0101, 4, 0x0103, 0x2009, 0});
+  EXPECT_TRUE(sent(0x603).empty());
+}
+
 TEST_F(FcopmRequests, TheReqIdFirstAndTheOtherWordsInTheSameScanAreOneRequest) {
   RecordProperty("spec", "ASF-REQ-004");
   slaves[3].objects[{0x3001, 1}] = {7, 0};

@@ -162,6 +162,11 @@ std::vector<std::string> check(const Configuration& configuration) {
   return errors.sentences;
 }
 
+std::vector<std::string> check_download(Configuration configuration) {
+  configuration.node_id = 1;
+  return check(configuration);
+}
+
 Layout lay_out(const Configuration& configuration) {
   Layout layout;
   for (const SlaveSetting& slave : configuration.slaves) {

@@ -24,8 +24,10 @@ using SlavePdo = DownloadedPdo;
 using MappedObject = DownloadedObject;
 using AutoSdo = DownloadedSdo;
 
-/// Everything that CANopen Builder would not download, one sentence each. None: the configuration is good.
+/// What is wrong with a configuration, one sentence each. None: it is good.
 [[nodiscard]] std::vector<std::string> check(const Configuration& configuration);
+/// What of it CANopen Builder would not download: all but the card's own node-ID, which the card itself finds wrong (F5H).
+[[nodiscard]] std::vector<std::string> check_download(Configuration configuration);
 
 /// A slave's PDO and its bytes in the registers. Each PDO begins with a register.
 struct PdoPlace {

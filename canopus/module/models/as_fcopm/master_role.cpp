@@ -108,6 +108,7 @@ std::uint16_t MasterRole::read(BufferAddress address) const noexcept {
 void MasterRole::write(BufferAddress address, std::uint16_t value, can::Time now) {
   if (address >= request_first && address < request_first + message_words) {
     request_[address - request_first] = value;
+    if (address == request_first) requests_.header_written(value);
   } else if (address >= output_first && address < output_first + process_words) {
     outputs_[address - output_first] = value;
   } else {

@@ -1,6 +1,7 @@
 #include "canopus/module/models/as_fcopm/message_requests.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "canopus/module/interface/word_bytes.hpp"
 
@@ -44,13 +45,21 @@ constexpr std::uint8_t request_of(std::uint8_t service) {
 
 }  // namespace
 
+void MessageRequests::header_written(std::uint16_t value) noexcept {
+  is_asked_ = is_asked_ || high_byte(value) != last_id_;
+  last_id_ = high_byte(value);
+}
+
 void MessageRequests::look(const Words& request, can::Time now) {
+  if (!std::exchange(is_asked_, false)) return;
+  if (request[0] == 0) {
+    if (running_.none()) response_.fill(0);  // "No data transmission request"
+    return;
+  }
   const Header header{.id = high_byte(request[0]),
                       .type = high_byte(request[2]),
                       .node = low_byte(request[2]),
                       .size = low_byte(request[1])};
-  if (header.id == last_id_) return;
-  last_id_ = header.id;
   if (low_byte(request[0]) != command) return answer(header, Status::illegal_command);
   switch (header.type) {
     case sdo_read:
