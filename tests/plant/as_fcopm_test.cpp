@@ -204,8 +204,10 @@ TEST_F(AsFcopmPlant, MistakesAreFoundWithTheirPlaces) {
       {"[plc.module.download]\n[[plc.module.download.slave]]\nnode = 4\n",
        "there is no device or module with node = 4"},
       {"[plc.module.download]\nwork_mode = \"both\"\n", "expected \"master\" or \"slave\""},
-      {"[plc.module.download]\nnode_id = 5\n", "node_id = 5: expected no node-ID, 0 or 128 to 255"},
-      {"[plc.module.download]\nnode_id = 256\n", "node_id = 256: expected no node-ID, 0 or 128 to 255"},
+      {"[plc.module.download]\nnode_id = 5\n",
+       "node_id = 5: expected 0 or 128 to 255, which are no node-IDs"},
+      {"[plc.module.download]\nnode_id = 256\n",
+       "node_id = 256: expected 0 or 128 to 255, which are no node-IDs"},
       {"[plc.module.download]\nagain_at = \"soon\"\n", "again_at"},
       {of_slave("") + "[[plc.module.download.slave]]\nnode = 3\n", "node 3 is in the node list already"},
   };

@@ -104,7 +104,7 @@ DownloadSection read_download(text::TableReader& table) {
     download.is_slave = *mode == "slave";
   }
   constexpr std::string_view wrong_ids =
-      "expected no node-ID, 0 or 128 to 255: the node-ID of the card is node";
+      "expected 0 or 128 to 255, which are no node-IDs; the card's own node-ID is the key node";
   if (const auto id = table.integer("node_id", 0, 255, wrong_ids)) {
     if (*id >= 1 && *id <= 127) table.error("node_id", wrong_ids);
     download.wrong_node_id = static_cast<std::uint8_t>(*id);
