@@ -17,7 +17,7 @@
 #include "canopus/eds/device_file.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/serve/slices/plant_slices.hpp"
-#include "canopus/sim/bus/waveform.hpp"
+#include "canopus/sim/bus/waveform/waveform.hpp"
 #include "canopus/sim/device/device.hpp"
 
 #include "measure.hpp"

@@ -1,7 +1,7 @@
 // What `canopus check` says of a bus's length, bit rate and clocks. Its limits are held against a line of controllers
 // that has length and clocks.
 
-#include "canopus/sim/bus/timed_line.hpp"
+#include "canopus/sim/bus/line/timed_line.hpp"
 
 #include "plant/plant_review.hpp"
 

@@ -1,7 +1,7 @@
 // Synchronisation of one controller, rule by rule [ISO 11898-1]. A bit is 16 quanta: SYNC 0, sample point 14, end 16;
 // the quanta expected are worked out by hand.
 
-#include "canopus/sim/bus/bit_timing.hpp"
+#include "canopus/sim/bus/controller/bit_timing.hpp"
 
 #include <utility>
 #include <vector>

@@ -9,7 +9,7 @@
 
 #include "canopus/can/frame_bits.hpp"
 #include "canopus/sim/bus/bus.hpp"
-#include "canopus/sim/bus/termination.hpp"
+#include "canopus/sim/bus/faults/termination.hpp"
 
 #include "sim/bus_station.hpp"
 

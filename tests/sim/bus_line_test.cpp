@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "canopus/can/frame_bits.hpp"
-#include "canopus/sim/bus/line.hpp"
+#include "canopus/sim/bus/line/line.hpp"
 
 #include "sim/bus_station.hpp"
 

@@ -17,7 +17,7 @@
 
 #include "canopus/can/frame_bits.hpp"
 #include "canopus/sim/bus/bus.hpp"
-#include "canopus/sim/bus/line.hpp"
+#include "canopus/sim/bus/line/line.hpp"
 
 #include "sim/bus_script.hpp"
 #include "sim/bus_station.hpp"

@@ -13,7 +13,7 @@
 
 #include <gmock/gmock.h>
 
-#include "canopus/sim/bus/waveform.hpp"
+#include "canopus/sim/bus/waveform/waveform.hpp"
 
 #include "sim/bus_run.hpp"
 #include "sim/waveform_reading.hpp"

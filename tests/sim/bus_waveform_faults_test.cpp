@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "canopus/sim/bus/waveform.hpp"
+#include "canopus/sim/bus/waveform/waveform.hpp"
 
 #include "sim/bus_station.hpp"
 #include "sim/waveform_reading.hpp"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "canopus/sim/bus/waveform.hpp"
+#include "canopus/sim/bus/waveform/waveform.hpp"
 
 #include "can/random_frame.hpp"
 #include "sim/bus_run.hpp"

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "canopus/can/frame_bits.hpp"
-#include "canopus/sim/bus/waveform.hpp"
+#include "canopus/sim/bus/waveform/waveform.hpp"
 
 #include "can/random_frame.hpp"
 #include "can/slow_frame.hpp"

@@ -1,6 +1,6 @@
 // Controllers on a line with length, and with clocks that differ. Metres and ppm are worked out by hand.
 
-#include "canopus/sim/bus/timed_line.hpp"
+#include "canopus/sim/bus/line/timed_line.hpp"
 
 #include <chrono>
 #include <cstdint>

@@ -18,7 +18,7 @@
 #include "canopus/link/linked_bus.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/sim/bus/bus.hpp"
-#include "canopus/sim/bus/waveform.hpp"
+#include "canopus/sim/bus/waveform/waveform.hpp"
 #include "canopus/trace/file/trace_file.hpp"
 
 namespace canopus::cli {

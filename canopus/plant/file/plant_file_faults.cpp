@@ -3,7 +3,7 @@
 #include "canopus/can/frame.hpp"
 #include "canopus/plant/file/fault_text.hpp"
 #include "canopus/plant/file/plant_sections.hpp"
-#include "canopus/sim/bus/termination.hpp"
+#include "canopus/sim/bus/faults/termination.hpp"
 #include "canopus/text/table_reader.hpp"
 
 namespace canopus::plant {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "canopus/sim/bus/bus_core.hpp"
-#include "canopus/sim/bus/line_clocks.hpp"
+#include "canopus/sim/bus/line/line_clocks.hpp"
 #include "canopus/sim/bus/segment.hpp"
 
 namespace canopus::sim {

@@ -17,7 +17,7 @@
 
 #include "canopus/can/bus.hpp"
 #include "canopus/can/timeline.hpp"
-#include "canopus/sim/bus/fault.hpp"
+#include "canopus/sim/bus/faults/fault.hpp"
 
 namespace canopus::sim {
 

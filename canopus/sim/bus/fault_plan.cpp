@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "canopus/sim/bus/bus_core.hpp"
-#include "canopus/sim/bus/termination.hpp"
+#include "canopus/sim/bus/faults/termination.hpp"
 
 namespace canopus::sim {
 namespace {

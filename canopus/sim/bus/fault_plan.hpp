@@ -9,7 +9,7 @@
 
 #include "canopus/can/frame.hpp"
 #include "canopus/can/time.hpp"
-#include "canopus/sim/bus/fault.hpp"
+#include "canopus/sim/bus/faults/fault.hpp"
 
 namespace canopus::sim {
 

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "canopus/sim/bus/bus_core.hpp"
-#include "canopus/sim/bus/termination.hpp"
+#include "canopus/sim/bus/faults/termination.hpp"
 #include "canopus/sim/bus/wire_frame.hpp"
 
 namespace canopus::sim {

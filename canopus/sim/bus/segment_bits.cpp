@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "canopus/sim/bus/line_clocks.hpp"
+#include "canopus/sim/bus/line/line_clocks.hpp"
 #include "canopus/sim/bus/segment.hpp"
 
 namespace canopus::sim {

@@ -1,4 +1,4 @@
-#include "canopus/sim/bus/line_clocks.hpp"
+#include "canopus/sim/bus/line/line_clocks.hpp"
 
 #include <algorithm>
 #include <cmath>

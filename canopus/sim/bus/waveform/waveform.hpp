@@ -21,10 +21,10 @@
 #include <string>
 #include <vector>
 
-#include "canopus/sim/bus/bit_stream.hpp"
 #include "canopus/sim/bus/bus.hpp"
-#include "canopus/sim/bus/waveform_fields.hpp"
-#include "canopus/sim/bus/waveform_text.hpp"
+#include "canopus/sim/bus/controller/bit_stream.hpp"
+#include "canopus/sim/bus/waveform/waveform_fields.hpp"
+#include "canopus/sim/bus/waveform/waveform_text.hpp"
 
 namespace canopus::sim {
 

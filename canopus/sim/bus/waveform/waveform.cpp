@@ -1,4 +1,4 @@
-#include "canopus/sim/bus/waveform.hpp"
+#include "canopus/sim/bus/waveform/waveform.hpp"
 
 #include <algorithm>
 #include <cctype>

@@ -1,4 +1,4 @@
-#include "canopus/sim/bus/bit_timing.hpp"
+#include "canopus/sim/bus/controller/bit_timing.hpp"
 
 #include <algorithm>
 

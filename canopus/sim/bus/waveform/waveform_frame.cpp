@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "canopus/can/frame_bits.hpp"
-#include "canopus/sim/bus/bit_controller.hpp"
 #include "canopus/sim/bus/bus_core.hpp"
-#include "canopus/sim/bus/waveform.hpp"
+#include "canopus/sim/bus/controller/bit_controller.hpp"
+#include "canopus/sim/bus/waveform/waveform.hpp"
 #include "canopus/sim/bus/wire_frame.hpp"
 
 namespace canopus::sim {

@@ -1,4 +1,4 @@
-#include "canopus/sim/bus/timed_line.hpp"
+#include "canopus/sim/bus/line/timed_line.hpp"
 
 #include <algorithm>
 #include <cmath>

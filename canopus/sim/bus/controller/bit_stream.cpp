@@ -1,4 +1,4 @@
-#include "canopus/sim/bus/bit_stream.hpp"
+#include "canopus/sim/bus/controller/bit_stream.hpp"
 
 #include "canopus/can/frame_bits.hpp"
 

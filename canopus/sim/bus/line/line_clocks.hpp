@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "canopus/can/time.hpp"
-#include "canopus/sim/bus/bit_timing.hpp"
-#include "canopus/sim/bus/line.hpp"
+#include "canopus/sim/bus/controller/bit_timing.hpp"
+#include "canopus/sim/bus/line/line.hpp"
 
 namespace canopus::sim {
 

@@ -1,4 +1,4 @@
-#include "canopus/sim/bus/waveform_fields.hpp"
+#include "canopus/sim/bus/waveform/waveform_fields.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -16,8 +16,8 @@
 
 #include "canopus/can/fault_confinement.hpp"
 #include "canopus/can/frame.hpp"
-#include "canopus/sim/bus/bit_controller.hpp"
-#include "canopus/sim/bus/bit_timing.hpp"
+#include "canopus/sim/bus/controller/bit_controller.hpp"
+#include "canopus/sim/bus/controller/bit_timing.hpp"
 
 namespace canopus::sim {
 

@@ -1,4 +1,4 @@
-#include "canopus/sim/bus/waveform_text.hpp"
+#include "canopus/sim/bus/waveform/waveform_text.hpp"
 
 namespace canopus::sim {
 

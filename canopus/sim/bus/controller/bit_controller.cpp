@@ -1,4 +1,4 @@
-#include "canopus/sim/bus/bit_controller.hpp"
+#include "canopus/sim/bus/controller/bit_controller.hpp"
 
 namespace canopus::sim {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "canopus/can/time.hpp"
-#include "canopus/sim/bus/bit_timing.hpp"
+#include "canopus/sim/bus/controller/bit_timing.hpp"
 
 namespace canopus::sim {
 

@@ -1,6 +1,6 @@
 // Where in a frame a controller is.
 
-#include "canopus/sim/bus/bit_controller.hpp"
+#include "canopus/sim/bus/controller/bit_controller.hpp"
 
 namespace canopus::sim {
 

@@ -17,10 +17,11 @@
 #include "canopus/can/bus_error.hpp"
 #include "canopus/can/fault_confinement.hpp"
 #include "canopus/can/frame.hpp"
-#include "canopus/sim/bus/bit_stream.hpp"
-#include "canopus/sim/bus/bus.hpp"
+#include "canopus/sim/bus/controller/bit_stream.hpp"
 
 namespace canopus::sim {
+
+using can::BusError;
 
 /// An error passive transmitter waits as long before its next frame [ISO 11898-1 10.9.6].
 inline constexpr unsigned suspend_bits = 8;

@@ -1,4 +1,4 @@
-#include "canopus/sim/bus/termination.hpp"
+#include "canopus/sim/bus/faults/termination.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
-#include "canopus/sim/bus/bit_driver.hpp"
+#include "canopus/sim/bus/faults/bit_driver.hpp"
 
 #include <algorithm>
 
 #include "canopus/can/frame_bits.hpp"
-#include "canopus/sim/bus/bit_controller.hpp"
+#include "canopus/sim/bus/controller/bit_controller.hpp"
 
 namespace canopus::sim {
 

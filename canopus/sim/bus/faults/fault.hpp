@@ -11,7 +11,7 @@
 
 #include "canopus/can/frame.hpp"
 #include "canopus/can/time.hpp"
-#include "canopus/sim/bus/bit_driver.hpp"
+#include "canopus/sim/bus/faults/bit_driver.hpp"
 
 namespace canopus::sim {
 
