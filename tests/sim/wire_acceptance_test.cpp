@@ -1,4 +1,4 @@
-// Who hears an identifier: the table against the acceptance of each port.
+// Which ports accept an identifier: the table against the acceptance of each port.
 
 #include <cstdint>
 #include <vector>
@@ -6,12 +6,12 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "canopus/sim/bus/port_table.hpp"
+#include "canopus/sim/bus/wire/acceptance_table.hpp"
 
 namespace canopus::sim::test::wire_acceptance_test {
 namespace {
 
-constexpr std::uint32_t hearing_ports = 70;  // more than a word of them
+constexpr std::uint32_t port_count = 70;  // more than a word of them
 
 struct AcceptanceStep {
   std::size_t port;
@@ -20,8 +20,8 @@ struct AcceptanceStep {
 
 /// Mostly a few of five identifiers, now and then all, or extended ones.
 AcceptanceStep some_acceptance_step(std::uint32_t choice) {
-  AcceptanceStep step{.port = choice % hearing_ports, .wanted = {}};
-  choice /= hearing_ports;
+  AcceptanceStep step{.port = choice % port_count, .wanted = {}};
+  choice /= port_count;
   step.wanted.extended = choice % 3 == 0;
   if (choice % 7 == 0) return step;  // all
   step.wanted.base.reset();
@@ -31,8 +31,8 @@ AcceptanceStep some_acceptance_step(std::uint32_t choice) {
 
 RC_GTEST_PROP(WireAcceptance, IsThatOfEachPort, ()) {
   AcceptanceTable table;
-  table.resize(hearing_ports);
-  std::vector<can::Acceptance> accepted(hearing_ports, {.base = {}, .extended = false});
+  table.resize(port_count);
+  std::vector<can::Acceptance> accepted(port_count, {.base = {}, .extended = false});
   const auto choices = *rc::gen::container<std::vector<std::uint32_t>>(rc::gen::arbitrary<std::uint32_t>());
   for (const std::uint32_t choice : choices) {
     const auto [changed, wanted] = some_acceptance_step(choice);
@@ -45,18 +45,18 @@ RC_GTEST_PROP(WireAcceptance, IsThatOfEachPort, ()) {
       const auto is_accepted = [&](std::size_t port) {
         return frame.extended ? accepted[port].extended : accepted[port].base[frame.identifier];
       };
-      std::vector<std::size_t> hearers;
-      for (std::size_t port = 0; port < hearing_ports; ++port) {
+      std::vector<std::size_t> accepting;
+      for (std::size_t port = 0; port < port_count; ++port) {
         const bool is_in_table = (table.ports_for(frame)[port / 64] >> port % 64 & 1) != 0;
         RC_ASSERT(is_in_table == is_accepted(port));
-        if (is_in_table) hearers.push_back(port);
+        if (is_in_table) accepting.push_back(port);
       }
-      const AcceptanceTable::Receivers few = table.cached_receivers(frame);
-      RC_ASSERT(few.are_known == (hearers.size() <= 2 && !frame.extended));
-      if (!few.are_known) continue;
-      hearers.resize(2, AcceptanceTable::no_port);
-      RC_ASSERT(few.first == hearers[0]);
-      RC_ASSERT(few.second == hearers[1]);
+      const AcceptanceTable::Receivers receivers = table.cached_receivers(frame);
+      RC_ASSERT(receivers.are_known == (accepting.size() <= 2 && !frame.extended));
+      if (!receivers.are_known) continue;
+      accepting.resize(2, AcceptanceTable::no_port);
+      RC_ASSERT(receivers.first == accepting[0]);
+      RC_ASSERT(receivers.second == accepting[1]);
     }
   }
 }

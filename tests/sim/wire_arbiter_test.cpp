@@ -1,4 +1,4 @@
-// Who wins: the table of offers against a search through all of them.
+// Which port wins: the arbiter against a search through all offers.
 
 #include <algorithm>
 #include <cstdint>
@@ -9,7 +9,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "canopus/can/transmit_queue.hpp"
-#include "canopus/sim/bus/port_table.hpp"
+#include "canopus/sim/bus/wire/arbiter.hpp"
 
 namespace canopus::sim::test::wire_arbiter_test {
 namespace {
@@ -25,11 +25,8 @@ std::uint32_t some_arbitration(unsigned choice) {
 
 /// An arbiter, and all offers beside it.
 struct ArbiterBeside {
-  explicit ArbiterBeside(std::uint32_t count) : offers(count, Arbiter::none) {
-    arbiter.expect_identifiers();
-    arbiter.resize(count);
-  }
-  /// A port offers something or nothing. True: the arbiter says what a search finds.
+  explicit ArbiterBeside(std::uint32_t count) : offers(count, Arbiter::none) { arbiter.resize(count); }
+  /// A port offers something or nothing. True: the arbiter has what a search finds.
   [[nodiscard]] bool agrees_after(std::uint32_t step) {
     const std::uint32_t port = step % static_cast<std::uint32_t>(offers.size());
     const std::uint32_t choice = step / static_cast<std::uint32_t>(offers.size()) % 211;
@@ -48,13 +45,13 @@ struct ArbiterBeside {
   std::vector<std::uint64_t> offers;
 };
 
-RC_GTEST_PROP(WireArbiter, IsWhoASearchFinds, ()) {
+RC_GTEST_PROP(WireArbiter, FindsWhatASearchFinds, ()) {
   ArbiterBeside pair(ports);
   const auto steps = *rc::gen::container<std::vector<std::uint32_t>>(rc::gen::arbitrary<std::uint32_t>());
   for (const std::uint32_t step : steps) RC_ASSERT(pair.agrees_after(step));
 }
 
-TEST(WireArbiter, OfAFewPortsThatComeAndGoAllTheTime_IsWhoASearchFinds) {
+TEST(WireArbiter, OfAFewPortsThatComeAndGoAllTheTime_FindsWhatASearchFinds) {
   std::mt19937 random(3);
   for (std::uint32_t count = 1; count <= 6; ++count) {
     ArbiterBeside pair(count);
@@ -64,9 +61,32 @@ TEST(WireArbiter, OfAFewPortsThatComeAndGoAllTheTime_IsWhoASearchFinds) {
   }
 }
 
+TEST(WireArbiter, AnArbiterThatWasJustMade_HasRoomForEveryIdentifier) {
+  Arbiter arbiter;
+  arbiter.resize(2);
+  EXPECT_EQ(arbiter.lowest(), Arbiter::none);
+  for (const std::uint32_t identifier : {0x7FFU, 0x181U, 0U}) {
+    arbiter.set(1, Arbiter::key(can::arbitration({.identifier = identifier}), 1));
+    EXPECT_EQ(arbiter.lowest(), Arbiter::key(can::arbitration({.identifier = identifier}), 1));
+  }
+}
+
+// [ISO 11898-1 arbitration field]: RTR of a base frame, then SRR and IDE of an extended one are recessive where a base data
+// frame is dominant.
+TEST(WireArbiter, OfFramesWithTheSameFirstElevenBits_ABaseDataFrameWinsThenItsRemoteFrameThenAnExtendedOne) {
+  Arbiter arbiter;
+  arbiter.resize(3);
+  arbiter.set(0, Arbiter::key(can::arbitration({.identifier = 0x123U << 18, .extended = true}), 0));
+  EXPECT_EQ(Arbiter::port_of(arbiter.lowest()), 0U);
+  arbiter.set(1, Arbiter::key(can::arbitration({.identifier = 0x123, .remote = true}), 1));
+  EXPECT_EQ(Arbiter::port_of(arbiter.lowest()), 1U);
+  arbiter.set(2, Arbiter::key(can::arbitration({.identifier = 0x123}), 2));
+  EXPECT_EQ(Arbiter::port_of(arbiter.lowest()), 2U);
+  EXPECT_FALSE(arbiter.is_lowest_shared());
+}
+
 TEST(WireArbiter, GrowsWithItsPorts) {
   Arbiter arbiter;
-  arbiter.expect_identifiers();
   arbiter.resize(1);
   const auto base = Arbiter::key(can::arbitration({.identifier = 0x181}), 0);
   arbiter.set(0, base);

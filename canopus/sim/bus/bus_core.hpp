@@ -16,7 +16,8 @@
 #include "canopus/sim/bus/bus.hpp"
 #include "canopus/sim/bus/controller/bit_controller.hpp"
 #include "canopus/sim/bus/fault_plan.hpp"
-#include "canopus/sim/bus/port_table.hpp"
+#include "canopus/sim/bus/wire/acceptance_table.hpp"
+#include "canopus/sim/bus/wire/arbiter.hpp"
 #include "canopus/sim/bus/wire_frame.hpp"
 
 namespace canopus::sim {

@@ -33,7 +33,6 @@ void Segment::reconsider() {
       continue;
     }
     forced_ = forced_ || (port->on_wire && port->stuck);
-    arbiter_.expect_identifiers();  // the far side of a cut mostly has no use for them
     arbiter_.set(port->index, port->offer());
     if (port->present()) {
       members_.push_back(port.get());
