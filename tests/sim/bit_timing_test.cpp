@@ -31,12 +31,12 @@ Wave watch(std::vector<Pulse> pulses, unsigned quanta, BitTiming timing = {}, bo
     bool dominant = false;
     for (const Pulse& pulse : pulses) dominant = dominant || (quantum >= pulse.begin && quantum < pulse.end);
     const bool natural = clock.begin_quantum();
-    const BitClock::Look look = clock.look(dominant, hard, driving);
+    const BitClock::Quantum seen = clock.monitor(dominant, hard, driving);
     if (natural) wave.begins.push_back(quantum);
-    if (look.begins) wave.begins.push_back(quantum);
-    if (!look.samples) continue;
+    if (seen.begins) wave.begins.push_back(quantum);
+    if (!seen.samples) continue;
     wave.samples.push_back(quantum);
-    wave.levels.push_back(look.dominant);
+    wave.levels.push_back(seen.dominant);
   }
   return wave;
 }

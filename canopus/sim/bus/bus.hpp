@@ -95,7 +95,7 @@ class Bus final : public can::Bus {
   [[nodiscard]] can::Duration time_grid() const noexcept;
   /// A port of this bus that hears nothing of the wire: it is unplugged, or on the far side of a cut.
   [[nodiscard]] bool is_cut_off(const Port& port) const noexcept;
-  /// From here on the bus is this line: levels need time, each controller has its own clock and looks at the wire once
+  /// From here on the bus is this line: levels need time, each controller has its own clock and monitors the wire once
   /// a quantum, and all goes bit by bit. Ports are named as in add_port() and may come later; those that are there start
   /// anew. `line.timing` must have no problem().
   void set_line(const Line& line);

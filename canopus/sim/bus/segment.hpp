@@ -174,7 +174,7 @@ class Segment {
   /// What a controller found at its sample point, and what it was before.
   struct Sampled {
     can::FaultConfinement faults;
-    BitController::Place place;
+    BitController::Position position;
     bool is_transmitter = false;
     BitController::Events events{};
   };

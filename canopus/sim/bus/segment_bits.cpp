@@ -294,7 +294,7 @@ void Segment::sample_port(BusPort& port, can::Time now) {
 Segment::Sampled Segment::look(BusPort& port, can::Time now) {
   BusPort::BitPhase& tap = port.tap;
   Sampled sampled{
-      .faults = port.faults, .place = port.bits.place(), .is_transmitter = port.bits.is_transmitter()};
+      .faults = port.faults, .position = port.bits.position(), .is_transmitter = port.bits.is_transmitter()};
   const bool in_frame = port.bits.state() == BitController::State::frame;
   tap.sampled = seen_apart_ ? seen_at(port, now) : dominant_;
   tap.synchronised = false;
@@ -305,7 +305,7 @@ Segment::Sampled Segment::look(BusPort& port, can::Time now) {
     begun_ = true;
   }
   if (sampled.events.lost) {
-    tap.lost_at = sampled.place.payload;  // never a stuff bit: that is an error
+    tap.lost_at = sampled.position.payload;  // never a stuff bit: that is an error
     begun_ = true;
   }
   tap.sampling = false;
@@ -337,8 +337,8 @@ void Segment::conclude(BusPort& port, const Sampled& sampled, can::Time now) {
   if (events.error != BusError::none) {
     ++port.counted.errors;
     report_error(port, {.error = events.error,
-                        .field = sampled.place.field(),
-                        .bit = sampled.place.number,
+                        .field = sampled.position.field(),
+                        .bit = sampled.position.number,
                         .transmitter = sampled.is_transmitter,
                         .dominant = tap.sampled,
                         .first = !error_frame_});

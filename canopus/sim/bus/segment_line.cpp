@@ -105,7 +105,7 @@ bool Segment::seen_on_line(const BusPort& port, can::Time now) const noexcept {
 can::Time Segment::next_look_on_line(can::Time now) const noexcept {
   can::Time next = can::never;
   for (const BusPort* port : working_) {
-    next = std::min(next, core_.clocks->next_look(port->index, now, port->tap.next));
+    next = std::min(next, core_.clocks->next_quantum(port->index, now, port->tap.next));
   }
   return next;
 }
@@ -124,12 +124,12 @@ void Segment::look_on_line(BusPort& port, can::Time now) {
   }
   const bool hard = port.bits.synchronises_hard() &&
                     (port.bits.state() != BitController::State::bus_off || port.recovering);
-  const BitClock::Look look = clocks.look(port.index, dominant, hard, tap.driving);
-  if (look.samples) {
-    tap.sampled = look.dominant;
+  const BitClock::Quantum quantum = clocks.monitor(port.index, dominant, hard, tap.driving);
+  if (quantum.samples) {
+    tap.sampled = quantum.dominant;
     sample_port(port, now);
   }
-  if (!look.begins) {
+  if (!quantum.begins) {
     tap.next = tap.sampling ? clocks.sample_point(port.index) : clocks.end_of_bit(port.index);
   } else if (hard) {  // somebody's SOF
     tap.bit_start = now;

@@ -52,7 +52,7 @@ void Segment::replay(can::Time until) {
     contender->bits.transmit(contender->kept.frame);
     contender->tap.next = contender->tap.frame_start = start_;
   }
-  if (suspended_at_sof_ != nullptr) suspended_at_sof_->bits.go_on_with_suspension(suspended_bits());
+  if (suspended_at_sof_ != nullptr) suspended_at_sof_->bits.resume_suspension(suspended_bits());
   deadline_ = start_;
   while (deadline_ < until) bits_tick(deadline_);
   for (BusPort* contender : members_) {

@@ -28,7 +28,7 @@ void count(can::FaultConfinement& faults, BitController::Counted counted) {
 /// Comes to where its spokesman is.
 void Segment::follow(BusPort& port) noexcept {
   const BusPort& spokesman = *port.spokesman;
-  port.bits.go_to(spokesman.bits);
+  port.bits.copy_reception(spokesman.bits);
   BusPort::BitPhase& tap = port.tap;
   const BusPort::BitPhase& other = spokesman.tap;
   tap.bit_start = other.bit_start;

@@ -1,6 +1,9 @@
 #include "canopus/sim/bus/controller/bit_controller.hpp"
 
 namespace canopus::sim {
+
+using can::FrameField;
+
 namespace {
 
 constexpr unsigned integration_bits = 11;
@@ -42,7 +45,7 @@ void BitController::begin_frame() noexcept {
   incoming_ = {};
 }
 
-/// Whoever sends a frame goes on to its end.
+/// A transmitter goes on to the end of its frame.
 bool BitController::begins_early() const noexcept {
   if (state_ == State::intermission) return intermission_bits - count_ <= early_bits_;
   if (state_ != State::frame || field_ != Field::eof || transmitting_) return false;
@@ -131,7 +134,7 @@ void BitController::sample(bool dominant, Events& events) noexcept {
         break;
       }
       ++count_;
-      // Rule b: somebody else found the error later than this receiver, which means it may be its own fault.
+      // Rule b: another controller found the error later than this receiver, so it may be its own fault.
       if (count_ == 1 && !overload_ && !transmitting_ && !listen_only_) receiver_severe_error(events);
       if (count_ % 8 == 0) severe(events);  // rule f
       break;
@@ -331,7 +334,7 @@ bool BitController::receives_as(const BitController& other) const noexcept {
          overload_frames_ + other.overload_frames_ + overloads_left_ + other.overloads_left_ == 0;
 }
 
-void BitController::go_to(const BitController& other) noexcept {
+void BitController::copy_reception(const BitController& other) noexcept {
   state_ = other.state_;
   count_ = other.count_;
   transmitting_ = other.transmitting_;
@@ -356,6 +359,49 @@ void BitController::go_bus_off_if_due() noexcept {
   transmitting_ = false;
   sequences_ = 0;
   enter(State::bus_off);
+}
+
+FrameField field_of_bit(unsigned bit, bool extended) noexcept {
+  if (bit == 0) return FrameField::start_of_frame;
+  if (bit <= 8) return FrameField::identifier_28_21;
+  if (bit <= 11) return FrameField::identifier_20_18;
+  if (bit == 12) return FrameField::rtr;
+  if (bit == 13) return FrameField::ide;
+  if (!extended) {
+    if (bit == 14) return FrameField::r0;
+    return bit <= 18 ? FrameField::dlc : FrameField::data;
+  }
+  if (bit <= 18) return FrameField::identifier_17_13;
+  if (bit <= 26) return FrameField::identifier_12_5;
+  if (bit <= 31) return FrameField::identifier_4_0;
+  if (bit == 32) return FrameField::extended_rtr;
+  if (bit == 33) return FrameField::r1;
+  if (bit == 34) return FrameField::r0;
+  return bit <= 38 ? FrameField::dlc : FrameField::data;
+}
+
+FrameField BitController::Position::field() const noexcept {
+  switch (state) {
+    case State::frame: break;
+    case State::active_flag: return FrameField::active_error_flag;
+    case State::passive_flag: return FrameField::passive_error_flag;
+    case State::overload_flag: return FrameField::overload_flag;
+    case State::superposition: return FrameField::superposition;
+    case State::delimiter: return is_overload ? FrameField::overload_delimiter : FrameField::error_delimiter;
+    case State::intermission: return FrameField::intermission;
+    case State::suspend: return FrameField::suspend;
+    default: return FrameField::idle;
+  }
+  switch (section) {
+    case Field::crc_delimiter: return FrameField::crc_delimiter;
+    case Field::ack_slot: return FrameField::ack_slot;
+    case Field::ack_delimiter: return FrameField::ack_delimiter;
+    case Field::eof: return FrameField::end_of_frame;
+    case Field::stuffed: break;
+  }
+  const bool is_stuff_bit = row == 5;
+  const unsigned bit = is_stuff_bit && payload > 0 ? payload - 1 : payload;
+  return bit >= crc_begin ? FrameField::crc : field_of_bit(bit, is_extended);
 }
 
 }  // namespace canopus::sim

@@ -80,7 +80,7 @@ class BitController {
   /// Begins to send after early_start: the SOF of another counts as its own.
   void join(const can::Frame& frame) noexcept;
 
-  /// At the end of a frame that somebody else has computed: the intermission begins.
+  /// At the end of a frame that was computed as a whole: the intermission begins.
   void begin_intermission(bool transmitter) noexcept {
     transmitting_ = transmitter;
     enter(State::intermission);
@@ -97,8 +97,8 @@ class BitController {
   /// Adds what happens to `events`. (Seven flags as a result are slow to put into a register.)
   void sample(bool dominant, Events& events) noexcept;
 
-  /// In a frame that somebody else has computed: so many bits of its suspension it has seen when that began.
-  void go_on_with_suspension(unsigned bits) noexcept {
+  /// In a frame that was computed as a whole: it had sampled so many bits of its suspension when that began.
+  void resume_suspension(unsigned bits) noexcept {
     if (bits >= suspend_bits) return;
     enter(State::suspend);
     count_ = bits;
@@ -107,12 +107,12 @@ class BitController {
   /// Receives the same frame and has seen the same of it: what comes finds both alike as long as both have the same
   /// error state. Neither asks for overload frames.
   [[nodiscard]] bool receives_as(const BitController& other) const noexcept;
-  /// Comes to where `other` is that receives_as() it.
-  void go_to(const BitController& other) noexcept;
+  /// Comes to the state of `other`, which receives_as() it.
+  void copy_reception(const BitController& other) noexcept;
 
   [[nodiscard]] State state() const noexcept { return state_; }
   [[nodiscard]] bool idle() const noexcept { return state_ == State::idle; }
-  /// It is idle, or takes the bus for idle.
+  /// It is idle, or by set_early_bits() treats the bus as idle.
   [[nodiscard]] bool may_begin() const noexcept { return idle() || (early_bits_ > 0 && begins_early()); }
   /// Neither in a frame nor in anything that belongs to one.
   [[nodiscard]] bool quiet() const noexcept {
@@ -130,9 +130,9 @@ class BitController {
   [[nodiscard]] bool flagging() const noexcept {
     return state_ == State::active_flag || state_ == State::passive_flag || state_ == State::overload_flag;
   }
-  struct Place;
+  struct Position;
   /// Of the bit that is sampled next.
-  [[nodiscard]] Place place() const noexcept;
+  [[nodiscard]] Position position() const noexcept;
   /// Which field it belongs to.
   [[nodiscard]] can::FrameField field() const noexcept;
   /// Sends, or sent, the frame that an error or overload frame belongs to.
@@ -201,10 +201,10 @@ class BitController {
   can::Frame frame_;
 };
 
-/// Where a bit is. Cheap to keep, for the few bits somebody asks about.
-struct BitController::Place {
+/// Which bit of a frame, or of what belongs to it. Cheap to keep, for the few bits that are asked for.
+struct BitController::Position {
   State state = State::idle;
-  Field part = Field::stuffed;
+  Field section = Field::stuffed;
   bool is_overload = false;
   bool is_extended = false;
   unsigned row = 0;
@@ -215,9 +215,9 @@ struct BitController::Place {
   [[nodiscard]] can::FrameField field() const noexcept;
 };
 
-inline BitController::Place BitController::place() const noexcept {
+inline BitController::Position BitController::position() const noexcept {
   return {.state = state_,
-          .part = field_,
+          .section = field_,
           .is_overload = overload_,
           .is_extended = incoming_.extended,
           .row = row_,
@@ -225,6 +225,6 @@ inline BitController::Place BitController::place() const noexcept {
           .crc_begin = crc_begin_,
           .number = state_ == State::frame ? static_cast<unsigned>(position_) : count_};
 }
-inline can::FrameField BitController::field() const noexcept { return place().field(); }
+inline can::FrameField BitController::field() const noexcept { return position().field(); }
 
 }  // namespace canopus::sim

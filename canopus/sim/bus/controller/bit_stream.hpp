@@ -1,6 +1,6 @@
 #pragma once
-// The bits of one frame as its transmitter sends them: the slow way, for whoever needs to look at the wire
-// itself. can::frame_bits() counts the same bits without listing them.
+// The bits of one frame as its transmitter sends them: the slow way, where single bits of the wire are
+// needed. can::frame_bits() counts the same bits without listing them.
 
 #include <array>
 #include <cstddef>

@@ -37,24 +37,25 @@ bool BitClock::begin_quantum() noexcept {
 
 void BitClock::skip(unsigned quanta) noexcept {
   quantum_ += quanta;
-  for (unsigned look = 0; look < std::min(quanta, 3U); ++look) seen_ = (seen_ << 1 | (seen_ & 1U)) & 7U;
+  for (unsigned quantum = 0; quantum < std::min(quanta, 3U); ++quantum)
+    seen_ = (seen_ << 1 | (seen_ & 1U)) & 7U;
 }
 
-BitClock::Look BitClock::look(bool dominant, bool hard, bool driving) noexcept {
+BitClock::Quantum BitClock::monitor(bool dominant, bool hard, bool driving) noexcept {
   const bool edge = dominant && (seen_ & 1U) == 0;
   seen_ = (seen_ << 1 | (dominant ? 1U : 0U)) & 7U;
-  Look look;
+  Quantum quantum;
   if (quantum_ == sample_) {
     const bool majority = seen_ == 3 || seen_ >= 5;
-    look.samples = true;
-    look.dominant = sampled_ = timing_.triple_sampling ? majority : dominant;
+    quantum.samples = true;
+    quantum.dominant = sampled_ = timing_.triple_sampling ? majority : dominant;
     synchronised_ = false;
   }
   if (edge && !sampled_ && !synchronised_) {
     synchronised_ = true;
-    look.begins = synchronise(hard, driving);
+    quantum.begins = synchronise(hard, driving);
   }
-  return look;
+  return quantum;
 }
 
 bool BitClock::synchronise(bool hard, bool driving) noexcept {

@@ -3,7 +3,7 @@
 //
 //   SYNC | PROP | PHASE1 ^ PHASE2 |       ^ sample point
 //
-// The controller looks at the wire once a quantum. An edge is seen at the first look that finds the new level, so it
+// The controller monitors the wire once a quantum. An edge is seen in the first quantum that has the new level, so it
 // may be late by up to one quantum: that is what the SYNC segment of one quantum is for.
 
 #include <string_view>
@@ -33,10 +33,11 @@ struct BitTiming {
 /// counted: it matters where PHASE2 decides. 0 for a timing that has a problem().
 [[nodiscard]] unsigned clock_tolerance(const BitTiming& timing) noexcept;
 
-/// Where in its bit a controller is. begin_quantum(), then look(), once a quantum.
+/// Where in its bit a controller is. begin_quantum(), then monitor(), once a quantum.
 class BitClock {
  public:
-  struct Look {
+  /// What a quantum is to the bit.
+  struct Quantum {
     bool begins = false;    ///< synchronised: a bit begins with this quantum
     bool samples = false;   ///< the sample point
     bool dominant = false;  ///< what was sampled
@@ -50,7 +51,7 @@ class BitClock {
   bool begin_quantum() noexcept;
   /// The level at the start of the quantum. `hard`: an edge restarts the bit. `driving`: the controller drives the
   /// bit dominant, so late edges are taken for its own.
-  Look look(bool dominant, bool hard, bool driving) noexcept;
+  Quantum monitor(bool dominant, bool hard, bool driving) noexcept;
 
   /// So many quanta pass, before the next sample point and the end of the bit, and the level stays as it was last seen.
   void skip(unsigned quanta) noexcept;

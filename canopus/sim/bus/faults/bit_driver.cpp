@@ -9,12 +9,12 @@ namespace canopus::sim {
 
 std::expected<std::vector<DrivenLevel>, std::string> parse_levels(std::string_view text) {
   std::vector<DrivenLevel> levels;
-  const auto wrong = [](std::size_t place, const std::string& what) {
-    return std::unexpected("character " + std::to_string(place + 1) + ": " + what);
+  const auto wrong = [](std::size_t index, const std::string& what) {
+    return std::unexpected("character " + std::to_string(index + 1) + ": " + what);
   };
-  for (std::size_t place = 0; place < text.size(); ++place) {
+  for (std::size_t index = 0; index < text.size(); ++index) {
     std::size_t count = 1;
-    switch (text[place]) {
+    switch (text[index]) {
       case '0':
       case 'd': levels.push_back(DrivenLevel::dominant); break;
       case '1':
@@ -26,22 +26,22 @@ std::expected<std::vector<DrivenLevel>, std::string> parse_levels(std::string_vi
       case '\r':
       case '\n': continue;
       case '*': {
-        if (levels.empty() || place == 0 ||
-            std::string_view("01drR").find(text[place - 1]) == std::string_view::npos)
-          return wrong(place, "a count follows a level, as in 1*11");
+        if (levels.empty() || index == 0 ||
+            std::string_view("01drR").find(text[index - 1]) == std::string_view::npos)
+          return wrong(index, "a count follows a level, as in 1*11");
         count = 0;
         std::size_t digits = 0;
-        while (place + 1 < text.size() && text[place + 1] >= '0' && text[place + 1] <= '9' && digits < 6) {
-          count = 10 * count + static_cast<std::size_t>(text[++place] - '0');
+        while (index + 1 < text.size() && text[index + 1] >= '0' && text[index + 1] <= '9' && digits < 6) {
+          count = 10 * count + static_cast<std::size_t>(text[++index] - '0');
           ++digits;
         }
-        if (count == 0) return wrong(place, "expected a count from 1 after *");
+        if (count == 0) return wrong(index, "expected a count from 1 after *");
         break;
       }
-      default: return wrong(place, "expected 0 (dominant), 1 (released), R (forced recessive), * or blanks");
+      default: return wrong(index, "expected 0 (dominant), 1 (released), R (forced recessive), * or blanks");
     }
     if (levels.size() + count - 1 > max_driven_levels)
-      return wrong(place, "more than " + std::to_string(max_driven_levels) + " levels");
+      return wrong(index, "more than " + std::to_string(max_driven_levels) + " levels");
     levels.insert(levels.end(), count - 1, levels.back());
   }
   if (levels.empty()) return std::unexpected("no level in it");
@@ -49,7 +49,7 @@ std::expected<std::vector<DrivenLevel>, std::string> parse_levels(std::string_vi
 }
 
 std::optional<unsigned> field_begin(const can::Frame& frame, can::FrameField field) {
-  // A controller that sends it to somebody who acknowledges knows its fields best.
+  // A controller that sends it and is acknowledged knows its fields best.
   can::FaultConfinement faults;
   BitController sender(faults);
   sender.transmit(frame);
@@ -81,11 +81,11 @@ bool BitDriver::run(can::Time now) {
       continue;
     }
     is_busy_ = true;
-    auto place = static_cast<std::size_t>((now - sequence.start) / sequence.bit);
-    const DrivenLevel level = sequence.levels[place];
+    auto index = static_cast<std::size_t>((now - sequence.start) / sequence.bit);
+    const DrivenLevel level = sequence.levels[index];
     if (level == DrivenLevel::dominant || level_ == DrivenLevel::released) level_ = level;
-    while (place < sequence.levels.size() && sequence.levels[place] == level) ++place;
-    next_ = std::min(next_, sequence.start + sequence.bit * static_cast<std::int64_t>(place));
+    while (index < sequence.levels.size() && sequence.levels[index] == level) ++index;
+    next_ = std::min(next_, sequence.start + sequence.bit * static_cast<std::int64_t>(index));
   }
   return level_ != level_before || is_busy_ != was_busy;
 }

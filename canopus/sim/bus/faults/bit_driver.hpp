@@ -4,8 +4,8 @@
 // the rest.
 //
 //   '0' 'd'  dominant
-//   '1' 'r'  released: recessive unless somebody else is dominant
-//   'R'      recessive whatever anybody drives
+//   '1' 'r'  released: recessive unless a node is dominant
+//   'R'      recessive whatever the nodes drive
 //   blanks, '_' and line ends separate; "1*11" is a level eleven times
 
 #include <cstddef>

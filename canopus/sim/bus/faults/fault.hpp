@@ -22,7 +22,7 @@ enum class FaultKind : std::uint8_t {
   delay,            ///< waits in its controller before it takes part in arbitration
   babble,           ///< a controller sends by itself
   stuck_dominant,   ///< a controller's output is dominant
-  jam,              ///< a controller's participant takes nothing out of its receive queue
+  jam,              ///< a controller's participant reads nothing from its receive queue
   cut,              ///< the wire is cut: the named ports are on the far side
   drive,            ///< the bit driver: raw levels on the wire (the near side of a cut one)
   stuck_recessive,  ///< nothing that a controller drives reaches the wire
@@ -63,8 +63,8 @@ struct Fault {
   can::Duration bit_time{};                ///< of one level; 0: that of the bus, or of the frame's sender
   std::optional<can::FrameField> field{};  ///< up to the intermission
 
-  /// babble, stuck_dominant, stuck_recessive, late, overload, single_shot, early, jam, cut: whose fault it is; noise: who alone
-  /// sees it, each for itself, and empty: the wire.
+  /// babble, stuck_dominant, stuck_recessive, late, overload, single_shot, early, jam, cut: whose fault it is; noise: the
+  /// ports that alone see it, each for itself, and empty: the wire.
   std::vector<std::string> ports{};
   can::Frame frame{};         ///< babble
   can::Duration interval{};   ///< babble: from frame to frame; 0: always one more

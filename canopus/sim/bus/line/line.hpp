@@ -26,7 +26,7 @@ struct Line {
   /// How far a clock is off. Nodes without a clock of their own have in turn a fast one, two slow ones and a fast one.
   double clock_ppm = 0;
   BitTiming timing{};  ///< of every node, without problem()
-  /// Whoever is not here is at the beginning and at the end of the line in turn, in the order of the ports: the worst
+  /// A port that is not here is at the beginning and at the end of the line in turn, in the order of the ports: the worst
   /// case as soon as there are two.
   std::vector<Node> nodes{};
 };

@@ -19,7 +19,7 @@ void LineClocks::add(const std::string& name, std::uint32_t bit_rate, can::Time 
                   .clock = BitClock(line_.timing),
                   .bit_rate = bit_rate,
                   .origin = now,
-                  .looked = now};
+                  .monitored = now};
   const auto own = std::ranges::find(line_.nodes, name, &Line::Node::port);
   if (own != line_.nodes.end()) {
     station.place = own->place.value_or(station.place);
@@ -75,7 +75,7 @@ void LineClocks::restart(std::size_t port, std::uint32_t bit_rate, can::Time now
 bool LineClocks::begins_bit(std::size_t port, std::uint32_t bit_rate, can::Time now) const noexcept {
   const Station& station = stations_[port];
   if (station.bit_rate != bit_rate || station.quanta == 0) return false;
-  return station.looked == now ? station.clock.quantum() == 0 : end_of_bit(port) == now;
+  return station.monitored == now ? station.clock.quantum() == 0 : end_of_bit(port) == now;
 }
 
 bool LineClocks::advance(std::size_t port, can::Time now) noexcept {
@@ -85,7 +85,7 @@ bool LineClocks::advance(std::size_t port, can::Time now) noexcept {
   if (number > station.quanta) station.clock.skip(static_cast<unsigned>(number - station.quanta));
   station.clock.begin_quantum();
   station.quanta = number + 1;
-  station.looked = now;
+  station.monitored = now;
   return true;
 }
 
@@ -94,7 +94,7 @@ bool LineClocks::advance_asleep(std::size_t port, can::Time now) noexcept {
   const std::uint64_t number = quantum_from(station, now);
   if (number < station.quanta || quantum_begin(station, number) != now) return false;
   station.quanta = number + 1;
-  station.looked = now;
+  station.monitored = now;
   return true;
 }
 
@@ -102,7 +102,7 @@ void LineClocks::wake(std::size_t port) noexcept {
   BitClock& clock = stations_[port].clock;
   clock = BitClock(line_.timing);
   clock.begin_quantum();
-  clock.look(true, true, false);
+  clock.monitor(true, true, false);
 }
 
 can::Time LineClocks::sample_point(std::size_t port) const noexcept {
@@ -113,9 +113,9 @@ can::Time LineClocks::end_of_bit(std::size_t port) const noexcept {
   return quanta_later(stations_[port], stations_[port].clock.to_end());
 }
 
-can::Time LineClocks::next_look(std::size_t port, can::Time now, can::Time then) const noexcept {
+can::Time LineClocks::next_quantum(std::size_t port, can::Time now, can::Time then) const noexcept {
   const Station& station = stations_[port];
-  if (station.looked >= changed_ + longest_) return then;
+  if (station.monitored >= changed_ + longest_) return then;
   const std::uint64_t number = std::max(quantum_from(station, now), station.quanta);
   return std::min(quantum_begin(station, number), then);
 }

@@ -1,8 +1,8 @@
 #pragma once
-// What the controllers of a bus see of a line with length, and when they look: once a quantum, each by its own clock.
+// What the controllers of a bus see of a line with length, and when they monitor it: once a quantum, each by its own clock.
 // Only the sources of the bus include this.
 //
-// While no level is on its way looks that find nothing new are left out: BitClock::skip().
+// While no level is on its way, quanta in which nothing new is seen are left out: BitClock::skip().
 
 #include <cstddef>
 #include <cstdint>
@@ -28,21 +28,22 @@ class LineClocks {
   void restart(std::size_t port, std::uint32_t bit_rate, can::Time now);
   /// Whether the port's clock has a bit of this rate begin now, by itself.
   [[nodiscard]] bool begins_bit(std::size_t port, std::uint32_t bit_rate, can::Time now) const noexcept;
-  /// Its clock goes on to now. True: a quantum begins now, and the port looks.
+  /// Its clock goes on to now. True: a quantum begins now, and the port monitors the wire.
   bool advance(std::size_t port, can::Time now) noexcept;
   /// One that waits for a dominant bit: only its quanta go on. True: one begins now.
   bool advance_asleep(std::size_t port, can::Time now) noexcept;
   /// It sees a dominant bit: that begins with this quantum.
   void wake(std::size_t port) noexcept;
-  /// After advance(): what the look finds.
-  BitClock::Look look(std::size_t port, bool dominant, bool hard, bool driving) noexcept {
-    return stations_[port].clock.look(dominant, hard, driving);
+  /// After advance(): what the quantum is to its bit.
+  BitClock::Quantum monitor(std::size_t port, bool dominant, bool hard, bool driving) noexcept {
+    return stations_[port].clock.monitor(dominant, hard, driving);
   }
   /// Its next sample point, or its next bit, as synchronisation has them now.
   [[nodiscard]] can::Time sample_point(std::size_t port) const noexcept;
   [[nodiscard]] can::Time end_of_bit(std::size_t port) const noexcept;
-  /// It has to look at or after `now`; by itself it would at `then`, a sample point or the end of a bit.
-  [[nodiscard]] can::Time next_look(std::size_t port, can::Time now, can::Time then) const noexcept;
+  /// The quantum at or after `now` in which it has to monitor the wire; by itself it would at `then`, a sample point or the end
+  /// of a bit.
+  [[nodiscard]] can::Time next_quantum(std::size_t port, can::Time now, can::Time then) const noexcept;
 
   /// What the port puts on the wire now.
   void drive(std::size_t port, bool dominant, can::Time now);
@@ -50,7 +51,7 @@ class LineClocks {
   void disturb(can::Time now) noexcept { changed_ = now; }
   /// Whether `from` is seen dominant at `to`.
   [[nodiscard]] bool sees(std::size_t to, std::size_t from, can::Time now) const noexcept;
-  /// Whoever drives dominant, or has until lately.
+  /// The ports that drive dominant, or have until lately.
   [[nodiscard]] const std::vector<std::size_t>& driving() const noexcept { return driving_; }
   void forget(can::Time now) noexcept;
 
@@ -69,8 +70,8 @@ class LineClocks {
     double phase = 0;              // ... and begin so many ns later
     double quantum = 1;            // ns
     std::uint64_t quanta = 0;      // that have begun for the clock
-    can::Time looked{};            // last
-    std::vector<Change> driven{};  // as long as somebody may still see it
+    can::Time monitored{};         // last
+    std::vector<Change> driven{};  // as long as some port may still see it
   };
   void set_rate(Station& station, std::uint32_t bit_rate) noexcept;
   [[nodiscard]] static can::Time quantum_begin(const Station& station, std::uint64_t number) noexcept;

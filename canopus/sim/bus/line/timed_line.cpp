@@ -47,12 +47,12 @@ void TimedLine::run(std::chrono::nanoseconds duration) {
     for (const auto& station : stations_) next = std::min(next, station->next);
     now_ = next;
     if (now_ >= end) return;
-    // All bits that begin now begin before anybody looks: without delay they are seen at once.
+    // All bits that begin now begin before any node monitors the wire: without delay they are seen at once.
     for (const auto& station : stations_) {
       if (station->next == now_ && station->clock.begin_quantum()) begin_bit(*station);
     }
     for (const auto& station : stations_) {
-      if (station->next == now_) look(*station);
+      if (station->next == now_) begin_quantum(*station);
     }
   }
 }
@@ -84,12 +84,12 @@ bool TimedLine::dominant_at(const Station& station) const {
   return false;
 }
 
-void TimedLine::look(Station& station) {
-  const BitClock::Look look =
-      station.clock.look(dominant_at(station), station.controller.synchronises_hard(), station.driving);
-  if (look.samples) sample(station, look.dominant);
-  // A SOF of its own is not due: the bit began with the edge of somebody else's.
-  if (look.begins) drive(station);
+void TimedLine::begin_quantum(Station& station) {
+  const BitClock::Quantum quantum =
+      station.clock.monitor(dominant_at(station), station.controller.synchronises_hard(), station.driving);
+  if (quantum.samples) sample(station, quantum.dominant);
+  // A SOF of its own is not due: the bit began with the edge of another node's.
+  if (quantum.begins) drive(station);
   station.next += station.quantum;
 }
 

@@ -74,7 +74,7 @@ class TimedLine {
     BitController controller{faults};
     Time quantum{0};
     Time next{0};               // quantum
-    std::deque<Change> driven;  // as long as somebody may still see it
+    std::deque<Change> driven;  // as long as some node may still see it
     bool driving = false;
     std::vector<Time> delay;  // from each node to this one
     std::deque<can::Frame> pending;
@@ -86,7 +86,7 @@ class TimedLine {
   void measure();
   void begin_bit(Station& station);
   void drive(Station& station);
-  void look(Station& station);
+  void begin_quantum(Station& station);
   void sample(Station& station, bool dominant);
   [[nodiscard]] bool dominant_at(const Station& station) const;
 

@@ -60,7 +60,7 @@ Waveform::~Waveform() {
   text_.hand_over();
 }
 
-/// The wire and what is driven are recessive, nobody sends a flag, all are outside of a frame.
+/// The wire and what is driven are recessive, no port sends a flag, all are outside of a frame.
 void Waveform::write_first_values() {
   text_.write("$dumpvars\n");
   const auto level = [this](std::size_t signal, bool high) {
@@ -152,7 +152,7 @@ void Waveform::advance(can::Time now) {
   moment_ = now;
 }
 
-/// In an intermission that was told as a whole, too: it is told bit by bit from here on.
+/// In an intermission that was reported as a whole, too: it is reported bit by bit from here on.
 void Waveform::begin_change(can::Time now) {
   if (now < idle_at_) idle_at_ = can::never;
   advance(now);
@@ -200,11 +200,11 @@ void Waveform::far_level_changed(bool dominant, can::Time now) {
   if (has_far_side_) change_level(far_side(), !dominant, now);
 }
 
-void Waveform::field_changed(const Port& port, can::FrameField place, can::Time now) {
+void Waveform::field_changed(const Port& port, can::FrameField entered, can::Time now) {
   const std::size_t number = number_of(port);
-  if (number == ports_.size() || (fields_.of(number) == place && now < idle_at_)) return;
+  if (number == ports_.size() || (fields_.of(number) == entered && now < idle_at_)) return;
   begin_change(now);
-  if (fields_.of(number) != place) fields_.set(number, place);
+  if (fields_.of(number) != entered) fields_.set(number, entered);
 }
 
 void Waveform::counters_changed(const Port& port, can::Time now) {

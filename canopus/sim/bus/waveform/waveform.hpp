@@ -10,7 +10,7 @@
 //   NAME_tec      its transmit error counter, a real number (sigrok-cli knows no vectors)
 //   NAME_rec      its receive error counter, likewise
 //   field         which field of a frame the present bit belongs to: a number, likewise; the names stand in a comment
-//                 of the file. That of most controllers; idle only when nobody is in a frame
+//                 of the file. That of most controllers; idle only when no port is in a frame
 //   NAME_field    -1: as `field`, which is what a controller is when nothing is wrong; else in which field it is itself.
 //                 An idle receiver knows of a SOF only when that is over and is still "as field" then
 //
@@ -95,11 +95,11 @@ class Waveform final : public WireObserver {
     text_.time(now);
     text_.level(high, codes_[signal]);
   }
-  void look_at_members(const WireFrame& frame);
+  void update_members(const WireFrame& frame);
   void begin_arbitration(const WireFrame& frame);
   void write_arbitration(BitStream::Bit bit, unsigned plain, bool is_over, can::Time now);
   void write_acknowledgement(const WireFrame& frame, bool dominant, can::Time now);
-  void enter_field(const WireFrame& frame, can::FrameField place, can::Time now);
+  void enter_field(const WireFrame& frame, can::FrameField entered, can::Time now);
   void write_received(const WireFrame& frame, can::Time now);
 
   Bus& bus_;
@@ -111,10 +111,10 @@ class Waveform final : public WireObserver {
   WaveformText text_;
   WaveformFields fields_;
   can::Time moment_;                // of the last change
-  can::Time idle_at_ = can::never;  // end of the intermission of a frame that was told as a whole
+  can::Time idle_at_ = can::never;  // end of the intermission of a frame that was reported as a whole
   std::vector<Contender> contenders_;
   unsigned next_lost_at_ = 0;        // the first of them
-  std::uint64_t membership_ = 0;     // of the frame that was told last
+  std::uint64_t membership_ = 0;     // of the frame that was reported last
   bool all_are_members_ = false;     // all ports of the dump, of it
   Acknowledgement acknowledged_[2];  // recessive, dominant
 };

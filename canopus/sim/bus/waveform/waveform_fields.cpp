@@ -32,11 +32,11 @@ FrameField WaveformFields::most_common() const noexcept {
   return common;
 }
 
-/// A receiver knows of a SOF when that is over. An idle port that was said to be idle stays so: one that is switched off
+/// A receiver knows of a SOF when that is over. An idle port that was reported as idle stays so: one that is switched off
 /// does not change with each frame of the others.
-int WaveformFields::to_say(std::size_t port) const noexcept {
+int WaveformFields::value_of(std::size_t port) const noexcept {
   const FrameField field = fields_[port];
-  if (said_[port] == as_bus) {
+  if (reported_[port] == as_bus) {
     const bool will_know = field == FrameField::idle && bus_ == FrameField::start_of_frame;
     return field == bus_ || will_know ? as_bus : static_cast<int>(field);
   }

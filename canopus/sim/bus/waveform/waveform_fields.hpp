@@ -1,5 +1,5 @@
 #pragma once
-// Which field of a frame each port is in, said briefly: one field for the bus, and one of its own for a port that is
+// Which field of a frame each port is in, in few lines: one field for the bus, and one of its own for a port that is
 // elsewhere. On a healthy bus all are in the same field at all times.
 
 #include <array>
@@ -13,14 +13,14 @@ namespace canopus::sim {
 
 class WaveformFields {
  public:
-  /// What is said of a port that is where the bus is.
+  /// The value of a port that is where the bus is.
   static constexpr int as_bus = -1;
 
-  explicit WaveformFields(std::size_t ports) : fields_(ports), said_(ports, as_bus) {
+  explicit WaveformFields(std::size_t ports) : fields_(ports), reported_(ports, as_bus) {
     counts_[number(can::FrameField::idle)] = ports;
   }
 
-  [[nodiscard]] can::FrameField of_bus() const noexcept { return bus_; }  ///< as said last
+  [[nodiscard]] can::FrameField of_bus() const noexcept { return bus_; }  ///< as reported last
   [[nodiscard]] can::FrameField of(std::size_t port) const noexcept { return fields_[port]; }
   void set(std::size_t port, can::FrameField field) noexcept {
     --counts_[number(fields_[port])];
@@ -29,10 +29,10 @@ class WaveformFields {
     has_changed_ = true;
   }
   void set_all(can::FrameField field) noexcept;
-  /// Whoever is in the one field is in the other.
+  /// Ports in the one field are in the other.
   void replace(can::FrameField one, can::FrameField other) noexcept;
 
-  /// All changes of a moment have come: says what is to be said. on_bus(field), on_port(port, field or as_bus).
+  /// All changes of a moment have come: reports what is new. on_bus(field), on_port(port, field or as_bus).
   template <typename OnBus, typename OnPort>
   void settle(OnBus on_bus, OnPort on_port) {
     if (!has_changed_) return;
@@ -44,12 +44,12 @@ class WaveformFields {
     }
     if (apart_ == 0 && all_are_with_the_bus()) return;
     for (std::size_t port = 0; port < fields_.size(); ++port) {
-      const int say = to_say(port);
-      if (say == said_[port]) continue;
-      if (say == as_bus) --apart_;
-      if (said_[port] == as_bus) ++apart_;
-      said_[port] = static_cast<std::int8_t>(say);
-      on_port(port, say);
+      const int value = value_of(port);
+      if (value == reported_[port]) continue;
+      if (value == as_bus) --apart_;
+      if (reported_[port] == as_bus) ++apart_;
+      reported_[port] = static_cast<std::int8_t>(value);
+      on_port(port, value);
     }
   }
 
@@ -62,13 +62,13 @@ class WaveformFields {
     const std::size_t late = bus_ == can::FrameField::start_of_frame ? counts_[0] : 0;
     return counts_[number(bus_)] + late == fields_.size();
   }
-  [[nodiscard]] int to_say(std::size_t port) const noexcept;
+  [[nodiscard]] int value_of(std::size_t port) const noexcept;
 
   std::vector<can::FrameField> fields_;
-  std::vector<std::int8_t> said_;
-  std::size_t apart_ = 0;  // of which something else than as_bus is said
+  std::vector<std::int8_t> reported_;
+  std::size_t apart_ = 0;  // ports that are reported with something else than as_bus
   std::array<std::size_t, can::frame_fields> counts_{};
-  can::FrameField bus_ = can::FrameField::idle;  // as said
+  can::FrameField bus_ = can::FrameField::idle;  // as reported
   bool has_changed_ = false;
 };
 

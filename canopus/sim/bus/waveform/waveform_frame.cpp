@@ -1,4 +1,4 @@
-// A frame that is told as a whole, in a waveform: the same lines as if its bits had been told one after
+// A frame that is reported as a whole, in a waveform: the same lines as if its bits had been reported one after
 // the other.
 
 #include <algorithm>
@@ -36,12 +36,12 @@ FrameField field_at(const can::Frame& frame, const BitStream& stream, unsigned n
 void Waveform::frame_passed(const WireFrame& frame) {
   const BitStream stream(frame.frame);
   const std::size_t transmitter = frame.transmitter.index;
-  if (frame.membership != membership_) look_at_members(frame);
+  if (frame.membership != membership_) update_members(frame);
   begin_arbitration(frame);
   bool wire = false;    // dominant
   bool driven = false;  // likewise, by the transmitter
   unsigned plain = 0;   // bits so far, without stuff bits
-  FrameField place = FrameField::idle;
+  FrameField entered = FrameField::idle;
   can::Time now = frame.start;
   for (unsigned number = 0; number < stream.size; ++number, now += frame.bit) {
     const BitStream::Bit bit = stream.bits[number];
@@ -61,9 +61,9 @@ void Waveform::frame_passed(const WireFrame& frame) {
       write_level(0, !wire, now);
     }
     if (!bit.stuff) {
-      if (const FrameField next = field_at(frame.frame, stream, number, plain); next != place) {
-        place = next;
-        enter_field(frame, place, now);
+      if (const FrameField next = field_at(frame.frame, stream, number, plain); next != entered) {
+        entered = next;
+        enter_field(frame, entered, now);
       }
       ++plain;
     }
@@ -79,7 +79,7 @@ void Waveform::frame_passed(const WireFrame& frame) {
   idle_at_ = now + frame.bit * can::intermission_bits;
 }
 
-void Waveform::look_at_members(const WireFrame& frame) {
+void Waveform::update_members(const WireFrame& frame) {
   membership_ = frame.membership;
   std::vector<bool> are_members(ports_.size());
   std::vector<bool> acknowledge(ports_.size());
@@ -142,18 +142,18 @@ void Waveform::write_acknowledgement(const WireFrame& frame, bool dominant, can:
 }
 
 /// From the end of the SOF on all that take part are in the same field.
-void Waveform::enter_field(const WireFrame& frame, FrameField place, can::Time now) {
-  if (place == FrameField::start_of_frame) {
-    for (const Contender& contender : contenders_) fields_.set(contender.port, place);
-  } else if (place == first_of_all && all_are_members_) {
-    fields_.set_all(place);
-  } else if (place == first_of_all) {
+void Waveform::enter_field(const WireFrame& frame, FrameField entered, can::Time now) {
+  if (entered == FrameField::start_of_frame) {
+    for (const Contender& contender : contenders_) fields_.set(contender.port, entered);
+  } else if (entered == first_of_all && all_are_members_) {
+    fields_.set_all(entered);
+  } else if (entered == first_of_all) {
     for (const BusPort* port : frame.members) {
-      if (port->index < ports_.size()) fields_.set(port->index, place);
+      if (port->index < ports_.size()) fields_.set(port->index, entered);
     }
   } else if (fields_.of_bus() == first_of_all) {  // and it stays there until the frame is over
     text_.time(now);
-    text_.number(static_cast<int>(place), codes_[bus_field()]);
+    text_.number(static_cast<int>(entered), codes_[bus_field()]);
   }
 }
 
