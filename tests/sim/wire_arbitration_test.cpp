@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "canopus/sim/bus/wire_frame.hpp"
+#include "canopus/sim/bus/wire/wire_observer.hpp"
 
 #include "can/random_frame.hpp"
 #include "sim/bus_station.hpp"

@@ -18,7 +18,7 @@
 #include "canopus/sim/bus/fault_plan.hpp"
 #include "canopus/sim/bus/wire/acceptance_table.hpp"
 #include "canopus/sim/bus/wire/arbiter.hpp"
-#include "canopus/sim/bus/wire_frame.hpp"
+#include "canopus/sim/bus/wire/wire_observer.hpp"
 
 namespace canopus::sim {
 

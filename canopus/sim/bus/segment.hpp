@@ -17,7 +17,7 @@
 
 #include "canopus/sim/bus/bus_core.hpp"
 #include "canopus/sim/bus/faults/termination.hpp"
-#include "canopus/sim/bus/wire_frame.hpp"
+#include "canopus/sim/bus/wire/wire_observer.hpp"
 
 namespace canopus::sim {
 

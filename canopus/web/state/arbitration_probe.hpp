@@ -11,7 +11,7 @@
 
 #include "canopus/can/time.hpp"
 #include "canopus/sim/bus/bus.hpp"
-#include "canopus/sim/bus/wire_frame.hpp"
+#include "canopus/sim/bus/wire/wire_observer.hpp"
 
 namespace canopus::web {
 

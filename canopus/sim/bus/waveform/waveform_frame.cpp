@@ -9,7 +9,7 @@
 #include "canopus/sim/bus/bus_core.hpp"
 #include "canopus/sim/bus/controller/bit_controller.hpp"
 #include "canopus/sim/bus/waveform/waveform.hpp"
-#include "canopus/sim/bus/wire_frame.hpp"
+#include "canopus/sim/bus/wire/wire_observer.hpp"
 
 namespace canopus::sim {
 namespace {
