@@ -15,7 +15,7 @@
 #include "canopus/can/transmit_queue.hpp"
 #include "canopus/sim/bus/bus.hpp"
 #include "canopus/sim/bus/controller/bit_controller.hpp"
-#include "canopus/sim/bus/fault_plan.hpp"
+#include "canopus/sim/bus/faults/fault_plan.hpp"
 #include "canopus/sim/bus/wire/acceptance_table.hpp"
 #include "canopus/sim/bus/wire/arbiter.hpp"
 #include "canopus/sim/bus/wire/wire_observer.hpp"

@@ -143,7 +143,7 @@ void Segment::start(can::Time now) {
   BusPort& port = *core_.ports[Arbiter::port_of(winner)];
   port.take_next();  // it stays in the arbiter: most often it will offer the same identifier again
   if (core_.plan.hits_frames()) {
-    faults_ = core_.plan.on_frame(port, port.current, now);
+    faults_ = core_.plan.on_frame(port, port.bit(), port.current, now);
     faults_ready_ = true;
   }
   // A waveform shows a suspension, which is not told as a whole.

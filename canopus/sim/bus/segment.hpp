@@ -24,6 +24,13 @@ namespace canopus::sim {
 /// What of a bit follows its sample point: CiA recommends the sample point at 87.5 % of the bit.
 [[nodiscard]] constexpr can::Duration after_sample_point(can::Duration bit) noexcept { return bit / 8; }
 
+/// What the bit driver does to a wire.
+struct DrivenWire {
+  bool is_busy = false;  ///< the wire is its own, whether it drives a level or not
+  DrivenLevel level = DrivenLevel::released;
+  friend bool operator==(const DrivenWire&, const DrivenWire&) = default;
+};
+
 class Segment {
  public:
   /// `is_near`: the wire, or the near side of a cut.
@@ -84,12 +91,7 @@ class Segment {
     faults_ready_ = false;
   }
   /// What the bit driver does to this wire from now on.
-  struct Driven {
-    bool is_busy = false;  ///< the wire is its own, whether it drives a level or not
-    DrivenLevel level = DrivenLevel::released;
-    friend bool operator==(const Driven&, const Driven&) = default;
-  };
-  void drive(const Driven& driven);
+  void drive(const DrivenWire& driven);
   /// Noise: what there is on the wire is inverted from now on, or again as it is.
   void invert();
   void set_termination(const Termination& termination);
@@ -256,7 +258,7 @@ class Segment {
   // bit by bit
   bool reconsidered_ = false;  // some port may drive something else without a bit of its own that begins
   bool forced_ = false;        // somebody is stuck dominant
-  Driven driven_;              // by the bit driver
+  DrivenWire driven_;          // by the bit driver
   bool inverted_ = false;      // by noise
   bool seen_apart_ = false;    // some port sees another level than the wire's
   bool some_early_ = false;    // some port does not wait for the bus to be idle

@@ -162,7 +162,8 @@ void Segment::start_waiting(can::Time now) {
     activity_start_ = now;
   }
   if (!faults_ready_) {
-    faults_ = core_.plan.hits_frames() ? core_.plan.on_frame(*first, first->current, now) : FrameFaults{};
+    faults_ = core_.plan.hits_frames() ? core_.plan.on_frame(*first, first->bit(), first->current, now)
+                                       : FrameFaults{};
   }
   if (lockstep_leader_ != nullptr && faults_.corruptions > 0) part();  // it may hit one of them alone
   faults_ready_ = false;

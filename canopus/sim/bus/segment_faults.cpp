@@ -19,7 +19,7 @@ void Segment::set_termination(const Termination& termination) {
   after_change();
 }
 
-void Segment::drive(const Driven& driven) {
+void Segment::drive(const DrivenWire& driven) {
   if (driven == driven_) return;
   before_change();
   driven_ = driven;

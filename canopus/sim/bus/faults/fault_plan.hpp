@@ -1,10 +1,14 @@
 #pragma once
-// A checked list of faults at work on one bus. Only the sources of the bus include this.
+// A checked list of faults at work on one bus. Only the sources of the bus
+// include this. Ports are pointers to compare here: what a port is, the plan
+// does not know.
 
 #include <cstdint>
 #include <expected>
+#include <functional>
 #include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "canopus/can/frame.hpp"
@@ -14,7 +18,6 @@
 namespace canopus::sim {
 
 class BusPort;
-struct BusCore;
 
 /// What happens to one frame on the wire.
 struct FrameFaults {
@@ -31,14 +34,22 @@ struct FrameFaults {
 
 class FaultPlan {
  public:
-  /// Checks the faults against the ports of the bus. Error: which fault, what is wrong.
+  /// The bus that the faults are for.
+  struct Target {
+    std::string_view bus_name;
+    can::Duration bit;                                     ///< at the bus's rate
+    std::function<BusPort*(std::string_view)> port_named;  ///< the first of that name; null: none
+  };
+  /// Checks the faults against the bus. Error: which fault, what is wrong.
   static std::expected<FaultPlan, std::string> make(const std::vector<Fault>& faults, std::uint64_t seed,
-                                                    const BusCore& core);
+                                                    const Target& target);
 
   /// There are rules about frames on the wire.
   [[nodiscard]] bool hits_frames() const noexcept { return !frames_.empty(); }
   [[nodiscard]] bool delays_frames() const noexcept { return !delays_.empty(); }
-  [[nodiscard]] FrameFaults on_frame(const BusPort& sender, const can::Frame& frame, can::Time now);
+  /// `bit`: of the sender, at its rate.
+  [[nodiscard]] FrameFaults on_frame(const BusPort& sender, can::Duration bit, const can::Frame& frame,
+                                     can::Time now);
   /// How long the frame has to wait, usually 0.
   [[nodiscard]] can::Duration on_send(const BusPort& sender, const can::Frame& frame, can::Time now);
 
@@ -59,7 +70,8 @@ class FaultPlan {
   /// When a fault begins, ends or babbles next.
   [[nodiscard]] can::Time next() const noexcept { return timed_faults_.empty() ? can::never : next_change(); }
   [[nodiscard]] std::vector<FaultState> states() const;
-  /// Of which the times are multiples that the faults have of their own; 0: they have none.
+  /// Of which the times are multiples that the faults have of their own; 0:
+  /// they have none.
   [[nodiscard]] can::Duration time_grid() const noexcept { return time_grid_; }
   [[nodiscard]] BitDriver& driver() noexcept { return driver_; }
   [[nodiscard]] const BitDriver& driver() const noexcept { return driver_; }
@@ -75,7 +87,7 @@ class FaultPlan {
     std::uint64_t hit = 0;
   };
   void add(TimedFault fault);
-  void drive(Rule& rule, const BusPort& sender, const can::Frame& frame, can::Time now);
+  void drive(Rule& rule, const BusPort& sender, can::Duration bit, const can::Frame& frame, can::Time now);
   [[nodiscard]] bool hits(Rule& rule, const BusPort& sender, const can::Frame& frame, can::Time now);
 
   std::vector<Rule> frames_;

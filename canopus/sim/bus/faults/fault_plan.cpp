@@ -1,10 +1,11 @@
-#include "canopus/sim/bus/fault_plan.hpp"
+#include "canopus/sim/bus/faults/fault_plan.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "canopus/sim/bus/bus_core.hpp"
+#include "canopus/can/frame_bits.hpp"
+#include "canopus/sim/bus/controller/bit_stream.hpp"
 #include "canopus/sim/bus/faults/termination.hpp"
 
 namespace canopus::sim {
@@ -30,13 +31,6 @@ const char* name_of(FaultKind kind) {
     case FaultKind::termination: return "termination";
   }
   return "?";
-}
-
-BusPort* port_named(const BusCore& core, const std::string& name) {
-  for (const auto& port : core.ports) {
-    if (port->name() == name) return port.get();
-  }
-  return nullptr;
 }
 
 /// A fault that is there for some time, and not one of single frames.
@@ -110,7 +104,7 @@ std::string wrong_value(const Fault& fault) {
 }  // namespace
 
 std::expected<FaultPlan, std::string> FaultPlan::make(const std::vector<Fault>& faults, std::uint64_t seed,
-                                                      const BusCore& core) {
+                                                      const Target& target) {
   FaultPlan plan;
   plan.random_.seed(seed);
   plan.count_ = faults.size();
@@ -120,30 +114,30 @@ std::expected<FaultPlan, std::string> FaultPlan::make(const std::vector<Fault>& 
     if (const std::string wrong = wrong_value(fault); !wrong.empty()) return std::unexpected(where + wrong);
     plan.time_grid_ = with_times_of(fault, plan.time_grid_);
     const auto unknown = [&](const std::string& name) {
-      return std::unexpected(where + "no port \"" + name + "\" on bus \"" + core.name + "\"");
+      return std::unexpected(where + "no port \"" + name + "\" on bus \"" + std::string(target.bus_name) +
+                             "\"");
     };
     if (is_timed(fault.kind)) {
-      if (fault.kind == FaultKind::late && fault.delay >= can::bit_time(1, core.bit_rate)) {
+      if (fault.kind == FaultKind::late && fault.delay >= target.bit) {
         return std::unexpected(where + "delay is not shorter than a bit");
       }
       TimedFault timed{.fault = fault, .ports = {}, .number = number};
       for (const std::string& name : fault.ports) {
-        timed.ports.push_back(port_named(core, name));
+        timed.ports.push_back(target.port_named(name));
         if (timed.ports.back() == nullptr) return unknown(name);
       }
       plan.add(std::move(timed));
       continue;
     }
     Rule rule{.fault = fault, .number = number};
-    if (!fault.sender.empty() && (rule.sender = port_named(core, fault.sender)) == nullptr) {
+    if (!fault.sender.empty() && (rule.sender = target.port_named(fault.sender)) == nullptr) {
       return unknown(fault.sender);
     }
-    if (!fault.receiver.empty() && (rule.receiver = port_named(core, fault.receiver)) == nullptr) {
+    if (!fault.receiver.empty() && (rule.receiver = target.port_named(fault.receiver)) == nullptr) {
       return unknown(fault.receiver);
     }
     if (fault.kind == FaultKind::drive && !fault.bit && !fault.field) {
-      plan.driver_.add(fault.from,
-                       fault.bit_time > can::Duration{} ? fault.bit_time : can::bit_time(1, core.bit_rate),
+      plan.driver_.add(fault.from, fault.bit_time > can::Duration{} ? fault.bit_time : target.bit,
                        fault.levels);
       continue;
     }
@@ -189,11 +183,12 @@ bool FaultPlan::hits(Rule& rule, const BusPort& sender, const can::Frame& frame,
   return true;
 }
 
-FrameFaults FaultPlan::on_frame(const BusPort& sender, const can::Frame& frame, can::Time now) {
+FrameFaults FaultPlan::on_frame(const BusPort& sender, can::Duration bit, const can::Frame& frame,
+                                can::Time now) {
   FrameFaults faults;
   for (Rule& rule : frames_) {
     if (rule.fault.kind == FaultKind::drive) {
-      drive(rule, sender, frame, now);
+      drive(rule, sender, bit, frame, now);
       continue;
     }
     if (!hits(rule, sender, frame, now)) continue;
@@ -218,11 +213,11 @@ FrameFaults FaultPlan::on_frame(const BusPort& sender, const can::Frame& frame, 
   return faults;
 }
 
-void FaultPlan::drive(Rule& rule, const BusPort& sender, const can::Frame& frame, can::Time now) {
+void FaultPlan::drive(Rule& rule, const BusPort& sender, can::Duration bit, const can::Frame& frame,
+                      can::Time now) {
   const Fault& fault = rule.fault;
   const auto begin = field_begin(frame, fault.field.value_or(can::FrameField::start_of_frame));
   if (!begin || !hits(rule, sender, frame, now)) return;
-  const can::Duration bit = sender.bit();
   driver_.add(now + bit * static_cast<std::int64_t>(*begin + fault.bit.value_or(0)),
               fault.bit_time > can::Duration{} ? fault.bit_time : bit, fault.levels);
 }
