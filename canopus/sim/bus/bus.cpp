@@ -5,21 +5,11 @@
 #include <string_view>
 #include <utility>
 
-#include "canopus/sim/bus/bus_core.hpp"
 #include "canopus/sim/bus/fault_actions.hpp"
 #include "canopus/sim/bus/line/line_clocks.hpp"
 #include "canopus/sim/bus/segment.hpp"
 
 namespace canopus::sim {
-
-BusCore::BusCore(std::string bus_name, std::uint32_t bus_bit_rate, can::Timeline& bus_timeline,
-                 BusSchedule& bus_schedule)
-    : name(std::move(bus_name)),
-      bit_rate(bus_bit_rate),
-      created(bus_timeline.now()),
-      timeline(bus_timeline),
-      schedule(bus_schedule) {}
-BusCore::~BusCore() = default;
 
 struct Bus::Impl final : can::Ticker, BusSchedule {
   Impl(std::string name, std::uint32_t bit_rate, can::Timeline& timeline)
@@ -28,7 +18,7 @@ struct Bus::Impl final : can::Ticker, BusSchedule {
   void tick(can::Time now) override;
   void deadline_changed() noexcept override { alarm() = next(); }
   [[nodiscard]] can::Time next() const noexcept {
-    return core.had_faults ? next_with_faults() : near.deadline();
+    return core.had_faults ? next_with_faults() : near.deadline;
   }
   [[nodiscard]] can::Time next_with_faults() const noexcept;
 
@@ -58,11 +48,11 @@ Port& Bus::add_port(std::string name) {
   if (core.clocks != nullptr) core.clocks->add(core.ports.back()->name(), core.bit_rate, core.timeline.now());
   impl_->near.resize();
   impl_->far.resize();
-  if (core.timeline.now() == core.created && !segment.busy()) {
-    segment.reconsider();  // there from the beginning
+  if (core.timeline.now() == core.created && !segment.is_busy()) {
+    segment.update_members();  // there from the beginning
   } else {
     segment.before_change();
-    segment.restart(*core.ports.back());
+    core.ports.back()->start_controller();
     segment.after_change();
   }
   return *core.ports.back();
@@ -86,7 +76,7 @@ void Bus::add_observer(WireObserver& observer) {
   impl_->near.before_change();
   impl_->far.before_change();
   if (impl_->core.wire_observers.empty()) {
-    for (const auto& port : impl_->core.ports) port->shown_dominant = false;
+    for (const auto& port : impl_->core.ports) port->reported_dominant = false;
   }
   impl_->core.wire_observers.push_back(&observer);
   impl_->near.after_change();
@@ -94,7 +84,7 @@ void Bus::add_observer(WireObserver& observer) {
 }
 void Bus::remove_observer(WireObserver& observer) { std::erase(impl_->core.wire_observers, &observer); }
 
-void Bus::report_wire() { impl_->near.report_wire(); }  // while the far side has anybody, all goes bit by bit
+void Bus::report_wire() { impl_->near.report_wire(); }  // while the far side has ports, all goes bit by bit
 
 bool Bus::can_be_cut() const noexcept {
   const auto& faults = impl_->core.plan.timed_faults();
@@ -104,7 +94,7 @@ bool Bus::can_be_cut() const noexcept {
 
 bool Bus::is_cut_off(const Port& port) const noexcept {
   return std::ranges::any_of(impl_->core.ports, [&](const auto& one) {
-    return one.get() == &port && (!one->plugged() || one->segment == &impl_->far);
+    return one.get() == &port && (!one->plugged() || impl_->far.has(*one));
   });
 }
 
@@ -126,7 +116,7 @@ void Bus::set_line(const Line& line) {
   core.clocks = std::make_unique<LineClocks>(line);
   for (const auto& port : core.ports) {
     core.clocks->add(port->name(), core.bit_rate, core.timeline.now());
-    if (!port->bits.idle()) port->segment->restart(*port);
+    if (!port->bits.idle()) port->start_controller();
   }
   impl_->near.after_change();
   impl_->far.after_change();
@@ -177,7 +167,7 @@ void Bus::Impl::tick(can::Time now) {
 }
 
 can::Time Bus::Impl::next_with_faults() const noexcept {
-  return std::min({near.deadline(), far.deadline(), faults.next()});
+  return std::min({near.deadline, far.deadline, faults.next()});
 }
 
 }  // namespace canopus::sim

@@ -11,10 +11,10 @@ namespace {
 
 /// A fault of a port's controller or driver begins or ends.
 void set_port_fault(BusPort& port, const Fault& fault, bool begins) {
-  port.segment->before_change();
+  port.wire->before_change();
   switch (fault.kind) {
-    case FaultKind::stuck_dominant: port.stuck = begins; break;
-    case FaultKind::stuck_recessive: port.mute = begins; break;
+    case FaultKind::stuck_dominant: port.stuck_dominant = begins; break;
+    case FaultKind::stuck_recessive: port.stuck_recessive = begins; break;
     case FaultKind::late: port.lateness = begins ? fault.delay : can::Duration{}; break;
     case FaultKind::overload:
       port.overload_frames = begins ? fault.overload_frames : 0;
@@ -27,11 +27,11 @@ void set_port_fault(BusPort& port, const Fault& fault, bool begins) {
       break;
     default: break;
   }
-  port.segment->after_change();
+  port.wire->after_change();
 }
 
 void set_babble(BusPort& port, const Fault& fault) {
-  port.segment->snapshot_pending(port);
+  port.wire->snapshot_pending(port);
   port.babbling = true;
   port.babble_always = fault.interval == can::Duration{};
   port.babble = fault.frame;
@@ -111,7 +111,7 @@ void FaultActions::begin(TimedFault& timed, can::Time now) {
       for (BusPort* port : timed.ports) set_port_fault(*port, timed.fault, true);
       break;
     case FaultKind::cut:
-      for (BusPort* port : timed.ports) move(*port, far_);
+      for (BusPort* port : timed.ports) far_.move_in(*port, segment_of(*port));
       break;
     case FaultKind::noise: timed.next_act = after_bits(now, timed.bits_to_next_hit()); break;
     case FaultKind::termination:
@@ -140,7 +140,7 @@ void FaultActions::end(TimedFault& timed, can::Time now) {
       end_at(*port, kind, now);
     } else if (kind == FaultKind::babble) {
       set_babble(*port, other->fault);
-      port->segment->offer_changed(*port);
+      port->wire->offer_changed(*port);
     } else if (kind != FaultKind::jam && kind != FaultKind::cut) {
       set_port_fault(*port, other->fault, true);
     }
@@ -153,18 +153,18 @@ void FaultActions::end(TimedFault& timed, can::Time now) {
 void FaultActions::end_at(BusPort& port, FaultKind kind, can::Time now) {
   switch (kind) {
     case FaultKind::babble:
-      port.segment->snapshot_pending(port);
+      port.wire->snapshot_pending(port);
       port.babbling = port.babble_due = false;
-      port.segment->offer_changed(port);
+      port.wire->offer_changed(port);
       break;
     case FaultKind::jam: {
       port.jammed = false;
       std::vector<can::Frame> held;
       held.swap(port.held);
-      for (const can::Frame& frame : held) port.hear(frame, now);
+      for (const can::Frame& frame : held) port.receive(frame, now);
       break;
     }
-    case FaultKind::cut: move(port, near_); break;
+    case FaultKind::cut: near_.move_in(port, segment_of(port)); break;
     default: set_port_fault(port, {.kind = kind}, false); break;
   }
 }
@@ -178,7 +178,7 @@ void FaultActions::babble(TimedFault& timed, can::Time now) {
   for (BusPort* port : timed.ports) {
     set_babble(*port, timed.fault);
     port->babble_due = true;
-    port->segment->offer_changed(*port);
+    port->wire->offer_changed(*port);
   }
   const can::Duration interval = timed.fault.interval;
   timed.next_act = interval > can::Duration{} ? can::later(now, interval) : can::never;
@@ -200,25 +200,14 @@ void FaultActions::invert(TimedFault& timed) {
     return;
   }
   for (BusPort* port : timed.ports) {
-    port->segment->before_change();
+    port->wire->before_change();
     port->inverted = !port->inverted;
-    port->segment->after_change();
+    port->wire->after_change();
   }
 }
 
 can::Time FaultActions::after_bits(can::Time now, std::uint64_t bits) const {
   return can::later(now, can::bit_time(1, core_.bit_rate) * static_cast<std::int64_t>(bits));
-}
-
-void FaultActions::move(BusPort& port, Segment& to) {
-  Segment& from = *port.segment;
-  if (&from == &to) return;
-  from.before_change();
-  to.before_change();
-  port.segment = &to;
-  to.arrive(port, from);
-  from.after_change();
-  to.after_change();
 }
 
 }  // namespace canopus::sim

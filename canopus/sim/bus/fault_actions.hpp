@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "canopus/sim/bus/bus_core.hpp"
 #include "canopus/sim/bus/segment.hpp"
+#include "canopus/sim/bus/wire/bus_core.hpp"
 
 namespace canopus::sim {
 
@@ -33,8 +33,7 @@ class FaultActions {
   void invert(TimedFault& timed);
   void set_termination(const Termination& termination);
   [[nodiscard]] can::Time after_bits(can::Time now, std::uint64_t bits) const;
-  /// The port keeps what its controller is doing and finds itself on another wire.
-  static void move(BusPort& port, Segment& to);
+  [[nodiscard]] Segment& segment_of(const BusPort& port) noexcept { return near_.has(port) ? near_ : far_; }
 
   BusCore& core_;
   Segment& near_;

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "canopus/can/frame_bits.hpp"
-#include "canopus/sim/bus/bus_core.hpp"
 #include "canopus/sim/bus/controller/bit_controller.hpp"
 #include "canopus/sim/bus/waveform/waveform.hpp"
+#include "canopus/sim/bus/wire/bus_port.hpp"
 #include "canopus/sim/bus/wire/wire_observer.hpp"
 
 namespace canopus::sim {

@@ -1,109 +1,28 @@
 #pragma once
-// The inside of the bus: its controllers (BusPort) and what they share (BusCore). Only the sources of the bus
-// include this.
+// A controller of the simulated bus. Only the sources of the bus include this.
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "canopus/can/bus_statistics.hpp"
+#include "canopus/can/bus.hpp"
 #include "canopus/can/fault_confinement.hpp"
 #include "canopus/can/frame_bits.hpp"
 #include "canopus/can/transmit_queue.hpp"
-#include "canopus/sim/bus/bus.hpp"
 #include "canopus/sim/bus/controller/bit_controller.hpp"
-#include "canopus/sim/bus/faults/fault_plan.hpp"
-#include "canopus/sim/bus/wire/acceptance_table.hpp"
 #include "canopus/sim/bus/wire/arbiter.hpp"
+#include "canopus/sim/bus/wire/bus_core.hpp"
 #include "canopus/sim/bus/wire/wire_observer.hpp"
 
 namespace canopus::sim {
 
-class BusPort;
-class LineClocks;
-class Segment;
+class Wire;
 
-/// When the bus acts next.
-class BusSchedule {
+class alignas(64) BusPort final : public can::Port {
  public:
-  virtual void deadline_changed() noexcept = 0;
-
- protected:
-  ~BusSchedule() = default;
-};
-
-/// What all controllers of a bus share.
-struct BusCore {
-  BusCore(std::string bus_name, std::uint32_t bus_bit_rate, can::Timeline& bus_timeline,
-          BusSchedule& bus_schedule);
-  ~BusCore();
-  BusCore(const BusCore&) = delete;
-  BusCore& operator=(const BusCore&) = delete;
-
-  /// Somebody outside the bus's own tick changed when the bus has to act.
-  void deadline_changed() {
-    if (!ticking) schedule.deadline_changed();
-  }
-
-  /// Hands the errors of this moment to the observers, and then what became of the controllers.
-  void report(can::Time now) {
-    if (!error_reports.empty() || !controller_reports.empty()) [[unlikely]]
-      report_all(now);
-  }
-  [[gnu::noinline]] void report_all(can::Time now) {
-    if (!error_reports.empty()) {
-      for (BusObserver* observer : observers) observer->errors_reported(error_reports, now);
-      error_reports.clear();
-    }
-    for (const can::ControllerReport& one : controller_reports) {
-      for (BusObserver* observer : observers) observer->controller_changed(one, now);
-    }
-    controller_reports.clear();
-  }
-  /// The port's controller has changed, and was in this state before.
-  void note_controller(const BusPort& port, can::ErrorState before);
-
-  /// The bus has done what it does at the timeline's now.
-  [[nodiscard]] bool has_ticked() const noexcept {
-    return !timeline.is_running() || (!ticking && ticked == timeline.now());
-  }
-
-  std::string name;
-  std::uint32_t bit_rate;
-  can::Time created{};
-  can::Timeline& timeline;
-  BusSchedule& schedule;
-  bool ticking = false;
-  can::Time ticked = can::never;  // the last tick's moment
-  std::vector<std::unique_ptr<BusPort>> ports;
-  std::vector<BusObserver*> observers;
-  std::vector<WireObserver*> wire_observers;
-  std::vector<can::BusErrorReport> error_reports;  // of the present moment
-  std::vector<can::ControllerReport> controller_reports;
-  can::BusStatistics statistics;
-  AcceptanceTable acceptance;
-  FaultPlan plan;
-  // Some rule was set: what they do to the bus beside its frames has to be looked for.
-  bool had_faults = false;
-  std::unique_ptr<LineClocks>
-      clocks;  // of a line with length; null: levels are seen at once, and clocks are perfect
-  std::uint64_t frame_number = 0;  // of frames that were computed as a whole
-
-  /// A frame that a fault keeps in its controller.
-  struct Delayed {
-    can::Time until;
-    BusPort* port;
-    can::Frame frame;
-  };
-  std::vector<Delayed> delayed;  // in the order of send()
-};
-
-class alignas(64) BusPort final : public Port {
- public:
-  BusPort(BusCore& bus_core, Segment& port_segment, std::uint32_t port_index, std::string port_name);
+  BusPort(BusCore& bus_core, Wire& port_wire, std::uint32_t port_index, std::string port_name);
 
   bool send(const can::Frame& frame) override;
   /// send() without faults that delay.
@@ -126,9 +45,9 @@ class alignas(64) BusPort final : public Port {
   [[nodiscard]] bool plugged() const override { return is_plugged; }
   void set_power(bool on) override;
   [[nodiscard]] const std::string& name() const override { return port_name_; }
-  void accept(const Acceptance& acceptance) override;
-  void set_transmit_queue(TransmitOrder order, std::size_t capacity) override;
-  [[nodiscard]] const PortCounters& counters() const override { return counted; }
+  void accept(const can::Acceptance& acceptance) override;
+  void set_transmit_queue(can::TransmitOrder order, std::size_t capacity) override;
+  [[nodiscard]] const can::PortCounters& counters() const override { return counted; }
   [[nodiscard]] std::size_t waiting() const override {
     return queue.size() + (sending && !sends_babble ? 1 : 0);
   }
@@ -136,7 +55,7 @@ class alignas(64) BusPort final : public Port {
   void set_automatic_recovery(bool automatic) override;
   void recover() override;
 
-  /// What it offers in arbitration, for Arbiter.
+  /// What it offers in arbitration, for the arbiter.
   [[nodiscard, gnu::always_inline]] std::uint64_t offer() const noexcept {
     if (babble_due) [[unlikely]]
       return offer_of_babbler();
@@ -147,6 +66,7 @@ class alignas(64) BusPort final : public Port {
   [[nodiscard]] bool babble_goes_first() const noexcept {
     return babble_due && (queue.empty() || arbitration(babble) < arbitration(queue.front()));
   }
+  /// It is on the wire, and neither its settings nor bus-off keep it from sending.
   [[nodiscard]] bool may_transmit() const noexcept {
     return on_wire && !listen_only && faults.state() != can::ErrorState::bus_off;
   }
@@ -154,13 +74,15 @@ class alignas(64) BusPort final : public Port {
   [[nodiscard]] bool present() const noexcept {
     return on_wire && (faults.state() != can::ErrorState::bus_off || recovering);
   }
-  /// By a fault it does what only bits can tell.
+  /// Bit by bit: it drives the wire dominant.
+  [[nodiscard]] bool drives_wire() const noexcept { return on_wire && (stuck_dominant || phase.output); }
+  /// It has a fault whose effects only single bits show.
   [[nodiscard]] bool has_bit_fault() const noexcept {
-    return mute || inverted || single_shot || overload_frames > 0 || early_bits > 0 ||
+    return stuck_recessive || inverted || single_shot || overload_frames > 0 || early_bits > 0 ||
            lateness > can::Duration{};
   }
   /// The next waiting frame goes onto the wire.
-  void take_next() noexcept {
+  void begin_next() noexcept {
     sends_babble = babble_goes_first();
     current = sends_babble ? babble : queue.pop();
     babble_due = babble_due && !sends_babble;
@@ -169,20 +91,20 @@ class alignas(64) BusPort final : public Port {
   }
   /// Keeps what it offers now, which is what it offered when the frame with this number began.
   void snapshot_pending(std::uint64_t frame_number) noexcept {
-    kept = {.frame_number = frame_number, .offered = offers()};
-    if (!kept.offered) return;
-    kept.is_babble = babble_goes_first();
-    kept.frame = kept.is_babble ? babble : queue.front();
+    pending = {.frame_number = frame_number, .offered = offers()};
+    if (!pending.offered) return;
+    pending.is_babble = babble_goes_first();
+    pending.frame = pending.is_babble ? babble : queue.front();
   }
   /// It is on the wire with what it offered then.
   void restore_pending() noexcept {
-    sends_babble = kept.is_babble;
-    current = kept.frame;
+    sends_babble = pending.is_babble;
+    current = pending.frame;
     sending = true;
-    last_attempt = kept.is_aborted || single_shot;
+    last_attempt = pending.is_aborted || single_shot;
     if (sends_babble) {
       babble_due = false;
-    } else if (!kept.is_aborted) {
+    } else if (!pending.is_aborted) {
       queue.remove(current);
     }
   }
@@ -205,7 +127,8 @@ class alignas(64) BusPort final : public Port {
   void notify_transmitted(const can::Frame& frame, can::Time now) {
     if (participant != nullptr) participant->transmitted(frame, now);
   }
-  void hear(const can::Frame& frame, can::Time now) {
+  /// A frame that it accepts is complete.
+  void receive(const can::Frame& frame, can::Time now) {
     if (jammed) {
       if (held.size() < held_capacity) {
         held.push_back(frame);
@@ -218,6 +141,26 @@ class alignas(64) BusPort final : public Port {
     ++counted.received;
     if (participant != nullptr) participant->receive(frame, now);
   }
+
+  // Only between Wire::before_change() and Wire::after_change():
+  /// Its controller leaves the wire.
+  void leave_wire();
+  /// Its controller starts anew and has to integrate.
+  void start_controller();
+
+  // Reports to the observers of the bus and of its wire.
+  /// An error that its controller found now, with its counters as they are.
+  void report_error(can::BusErrorReport report) const;
+  /// Its controller has changed, and was in this state before.
+  void report_controller(can::ErrorState before) const;
+  /// It drives nothing any more and takes part in no frame.
+  void report_silence();
+  /// What it drives: one that is stuck is dominant even when its controller is bus-off.
+  void report_output(can::Time now);
+  void report_activity(can::Time now);
+  void report_field(can::Time now) const;
+  void report_counters(can::Time now) const;
+
   [[nodiscard]] can::Duration bit() const noexcept { return bit_length; }
   /// can::bit_time() at its rate, without a division where a bit has whole nanoseconds.
   [[nodiscard]] can::Duration time_of(std::uint64_t count) const noexcept {
@@ -230,9 +173,9 @@ class alignas(64) BusPort final : public Port {
   can::TransmitQueue queue;
   can::Frame current;
   BusCore& core;
-  Segment* segment;
+  Wire* wire;
   std::uint32_t index;
-  can::FaultConfinement faults;  // of a frame computed as a whole, as before it: see Segment::counters_of()
+  can::FaultConfinement faults;  // of a frame computed as a whole, as before it: see Wire::counters_of()
   bool powered = true;
   bool on_wire = true;  // plugged and powered
   bool listen_only = false;
@@ -248,11 +191,11 @@ class alignas(64) BusPort final : public Port {
     bool is_aborted = false;
     can::Frame frame{};
   };
-  PendingSnapshot kept;
+  PendingSnapshot pending;
   can::Listener* participant = nullptr;
   can::Duration bit_length;  // at this rate
   std::uint32_t rate;
-  PortCounters counted;
+  can::PortCounters counted;
 
   bool last_attempt = false;  // `current` was aborted: it does not wait again
   bool single_shot = false;   // by a fault
@@ -266,65 +209,55 @@ class alignas(64) BusPort final : public Port {
   std::uint32_t overrun = 0;
 
   // Faults at work.
-  bool stuck = false;            // dominant
-  bool mute = false;             // stuck recessive
-  bool inverted = false;         // noise: what it sees
-  bool shown_dominant = false;   // as last reported to wire observers
-  unsigned overload_frames = 0;  // asked for after each frame
-  unsigned early_bits = 0;       // before the bus is idle it may begin a frame
-  can::Duration lateness{};      // of what it drives
+  bool stuck_dominant = false;
+  bool stuck_recessive = false;
+  bool inverted = false;           // noise: what it sees
+  bool reported_dominant = false;  // its output, as last reported to wire observers
+  unsigned overload_frames = 0;    // asked for after each frame
+  unsigned early_bits = 0;         // before the bus is idle it may begin a frame
+  can::Duration lateness{};        // of what it drives
   std::size_t held_capacity = 0;
   std::vector<can::Frame> held;  // received while jammed
   can::Frame babble;
 
-  Acceptance accepted{.base = {}, .extended = false};  // as in core.acceptance
+  can::Acceptance accepted{.base = {}, .extended = false};  // as in core.acceptance
 
-  // For the segment, while it works bit by bit.
+  // For the wire, while it works bit by bit.
   struct BitPhase {
     can::Time bit_start{};
-    can::Time next = can::never;     // sample point or start of the next bit
-    bool sampling = false;           // `next` is a sample point
-    bool sampled = false;            // dominant at the last sample point
-    bool synchronised = false;       // since the last sample point
-    bool driving = false;            // dominant
-    bool reaching = false;           // what it drives, on the wire
-    bool reaching_next = false;      // the same of a late one ...
-    can::Time reaches = can::never;  // ... from here on
-    void reach(bool dominant) noexcept {
-      reaching = dominant;
-      reaches = can::never;
+    can::Time next = can::never;            // sample point or start of the next bit
+    bool sampling = false;                  // `next` is a sample point
+    bool sampled = false;                   // dominant at the last sample point
+    bool synchronised = false;              // since the last sample point
+    bool driving = false;                   // the controller means this bit to be dominant
+    bool output = false;                    // dominant: what it drives, as it is on the wire
+    bool next_output = false;               // the same of a late driver ...
+    can::Time output_changes = can::never;  // ... from here on
+    void set_output(bool dominant) noexcept {
+      output = dominant;
+      output_changes = can::never;
     }
     bool flagging = false;     // as last reported to observers
     bool arbitrating = false;  // likewise
     bool received = false;     // complete at the end of this bit
     bool transmitted = false;  // likewise
     bool counted = false;      // `received` or `transmitted` came to this wire from one that reports it
-    bool changed = false;      // error state or warning
+    bool changed = false;      // error state or warning: the participant is to be notified
     can::Time frame_start{};   // of the present or last frame
     unsigned lost_at = WireFrame::Sender::won;  // where it lost arbitration to the frame that it receives now
   };
   BitController bits{faults};
-  BitPhase tap;
-  BusPort* spokesman = nullptr;  // goes through the bits for this one, see segment_together.cpp
+  BitPhase phase;
+  BusPort* lockstep_leader = nullptr;  // simulates the bits of this one, too: see Lockstep
 
  private:
   bool send_with_faults(const can::Frame& frame);
   [[nodiscard]] std::uint64_t offer_of_babbler() const noexcept;
-  void forget_queue();
-  void start_anew();
-  void be_on_wire();
+  void abort_pending();
+  void reset();
+  void update_on_wire();
 
   std::string port_name_;
 };
-
-inline void BusCore::note_controller(const BusPort& port, can::ErrorState before) {
-  if (observers.empty()) return;
-  controller_reports.push_back({.port = &port,
-                                .before = before,
-                                .state = port.faults.state(),
-                                .warning = port.faults.warning(),
-                                .transmit_errors = port.faults.transmit_errors(),
-                                .receive_errors = port.faults.receive_errors()});
-}
 
 }  // namespace canopus::sim
