@@ -45,12 +45,7 @@ void BitwiseWire::after_change(can::Time now) noexcept {
 
 /// The port keeps what its controller is doing and finds itself on another wire.
 void BitwiseWire::move_in(BusPort& port, const WireState& from) {
-  const auto completes = [](const BusPort& one) { return one.phase.received || one.phase.transmitted; };
-  if (completes(port)) {
-    completing_ = true;
-    port.phase.counted = std::ranges::any_of(
-        from.members, [&](const BusPort* other) { return from.has(*other) && completes(*other); });
-  }
+  completion_.move_in(port, from);
   if (dominant_) wake(port, wire_.core.timeline.now());
 }
 
@@ -130,7 +125,7 @@ void BitwiseWire::leave(can::Time now) {
 
 bool BitwiseWire::end_bits(can::Time now) {
   had_changed_ = std::exchange(changed_, false);
-  complete_frames(now);
+  completion_.run(now);
   if (lockstep_.leader() != nullptr && lockstep_.leader()->bits.quiet()) lockstep_.split_lockstep();
   if (dominant_ || !is_quiet(now)) return false;
   if (active_) {
@@ -177,76 +172,6 @@ void BitwiseWire::count_activity(can::Time now) {
   const can::Duration bit = can::bit_time(1, wire_.core.bit_rate);
   activity_start_ = std::min(activity_start_, now);
   wire_.core.statistics.busy(activity_start_, now, static_cast<std::uint64_t>((now - activity_start_) / bit));
-}
-
-/// Frames whose last bit ends now.
-void BitwiseWire::complete_frames(can::Time now) {
-  if (!completing_) return;
-  report_complete_frame(now);
-  for (BusPort* port : wire_.members) {
-    if (!port->phase.transmitted || port->phase.next > now) continue;
-    port->phase.transmitted = port->phase.counted = false;
-    port->confirm = port->complete();
-    wire_.arbiter.set(port->index, port->offer());
-  }
-  deliver_complete_frames(now);
-  completing_ = std::ranges::any_of(
-      wire_.members, [](const BusPort* port) { return port->phase.received || port->phase.transmitted; });
-}
-
-void BitwiseWire::report_complete_frame(can::Time now) {
-  BusCore& core = wire_.core;
-  const BusPort* reporter = nullptr;
-  for (BusPort* port : wire_.members) {
-    const BusPort::BitPhase& phase = port->phase;
-    if ((!phase.transmitted && !phase.received) || phase.next > now || phase.counted) continue;
-    if (reporter == nullptr || (phase.transmitted && !reporter->phase.transmitted)) reporter = port;
-  }
-  if (reporter == nullptr) return;
-  // All have the same frame, but a late driver makes the others end it at different moments.
-  const can::Frame frame = reporter->phase.transmitted ? reporter->current : reporter->bits.frame();
-  if (reporter->phase.frame_start < completed_at_ && frame == completed_) return;
-  completed_ = frame;
-  completed_at_ = now;
-  core.statistics.frame(frame);
-  if (!core.wire_observers.empty()) report_arbitration(frame, reporter->phase.frame_start);
-  for (can::BusObserver* observer : core.observers) {
-    observer->frame_completed(frame, reporter->phase.frame_start, now);
-  }
-}
-
-/// By number: a participant that is notified may plug, unplug and add ports.
-void BitwiseWire::deliver_complete_frames(can::Time now) {
-  BusCore& core = wire_.core;
-  for (std::size_t number = 0; number < core.ports.size(); ++number) {
-    BusPort& port = *core.ports[number];
-    if (!wire_.has(port) || !port.phase.received || port.phase.next > now) continue;
-    port.phase.received = port.phase.counted = false;
-    port.phase.lost_at = WireFrame::Sender::won;
-    const can::Frame received = port.bits.frame();
-    const std::uint64_t accepting = core.acceptance.ports_for(received)[port.index / 64];
-    if ((accepting >> (port.index % 64) & 1U) != 0 && !wire_.drops_at(port)) port.receive(received, now);
-  }
-  for (std::size_t number = 0; number < core.ports.size(); ++number) {
-    BusPort& port = *core.ports[number];
-    if (!port.confirm) continue;
-    port.confirm = false;
-    const can::Frame sent = port.current;
-    port.notify_transmitted(sent, now);
-  }
-}
-
-/// The frame ends now for the port that sent it or has received it first; others may be a little behind.
-void BitwiseWire::report_arbitration(const can::Frame& frame, can::Time start) {
-  senders_.clear();
-  for (const BusPort* port : wire_.members) {
-    if (!port->phase.transmitted && port->phase.lost_at == WireFrame::Sender::won) continue;
-    senders_.push_back({.port = port->index,
-                        .lost_at = port->phase.lost_at,
-                        .arbitration = can::arbitration(port->bits.sent())});
-  }
-  const WireArbitration arbitration{.frame = frame, .start = start, .senders = senders_};
-  for (WireObserver* observer : wire_.core.wire_observers) observer->arbitration_passed(arbitration);
 }
 
 /// Each controller begins by its own bits, whatever the others are still doing: those that are not idle yet see
@@ -458,9 +383,7 @@ void BitwiseWire::apply(BusPort& port, const Sampled& sampled, can::Time now) {
     port.requeue();
     wire_.arbiter.set(port.index, port.offer());
   }
-  completing_ = completing_ || events.received || events.transmitted;
-  phase.received = phase.received || events.received;
-  phase.transmitted = phase.transmitted || events.transmitted;
+  completion_.note(port, events);
   if (events.early_start && port.offer() != Arbiter::none) {
     port.begin_next();
     wire_.arbiter.set(port.index, port.offer());

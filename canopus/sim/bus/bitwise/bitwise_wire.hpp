@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "canopus/sim/bus/bitwise/exact_line.hpp"
+#include "canopus/sim/bus/bitwise/frame_completion.hpp"
 #include "canopus/sim/bus/bitwise/lockstep.hpp"
 #include "canopus/sim/bus/bitwise/wire_levels.hpp"
 #include "canopus/sim/bus/wire/wire.hpp"
@@ -18,7 +19,7 @@ namespace canopus::sim {
 class BitwiseWire {
  public:
   explicit BitwiseWire(WireState& wire) noexcept
-      : wire_(wire), levels_(wire), lockstep_(wire), line_(wire, levels_, *this) {}
+      : wire_(wire), levels_(wire), lockstep_(wire), line_(wire, levels_, *this), completion_(wire) {}
   BitwiseWire(const BitwiseWire&) = delete;
   BitwiseWire& operator=(const BitwiseWire&) = delete;
 
@@ -81,10 +82,6 @@ class BitwiseWire {
   void replay_intermission(const WireHandover& handover, can::Time until);
   void replay(can::Time from, can::Time until);
 
-  void complete_frames(can::Time now);
-  void report_complete_frame(can::Time now);
-  void deliver_complete_frames(can::Time now);
-  void report_arbitration(const can::Frame& frame, can::Time start);
   void count_activity(can::Time now);
   void begin_frames(can::Time now);
   void begin_bits(can::Time now);
@@ -105,11 +102,11 @@ class BitwiseWire {
   WireLevels levels_;
   Lockstep lockstep_;
   ExactLine line_;
+  FrameCompletion completion_;
   bool dominant_ = false;          // level of the wire
   bool active_ = false;            // from the first dominant bit to idle
   bool has_error_frame_ = false;   // one is counted since the last frame began
   bool replaying_ = false;         // what is found was counted and reported when it was computed as a whole
-  bool completing_ = false;        // some frame ends with the present bit
   bool abandoned_ = false;         // some port found an error, or left the wire
   bool changed_ = false;           // by after_change(), since the last tick
   bool had_changed_ = false;       // the same before the present tick
@@ -118,9 +115,6 @@ class BitwiseWire {
   bool has_early_ports_ = false;   // some port does not wait for the bus to be idle
   bool has_late_drivers_ = false;  // some port's level reaches the wire later
   can::Time activity_start_{};
-  can::Frame completed_{};                  // as reported ...
-  can::Time completed_at_{};                // ... at this moment
-  std::vector<WireFrame::Sender> senders_;  // of the frame that was reported last
 };
 
 }  // namespace canopus::sim
