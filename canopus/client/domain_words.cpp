@@ -1,10 +1,11 @@
 #include "canopus/client/domain_words.hpp"
 
 #include <algorithm>
-#include <iterator>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/manager/boot/concise_dcf.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/printable.hpp"
@@ -40,8 +41,8 @@ DomainWords concise_words(std::span<const std::uint8_t> bytes, const canopen::Di
     const auto entry = reader.next();
     if (!entry) break;
     const trace::ObjectFacts facts = trace::object_facts(device, entry->index, entry->sub);
-    words.entries.push_back({fmt::format("{:04X}:{:02X}", entry->index, entry->sub),
-                             text::printable(facts.name), text::printable(value_of(*entry, facts.type))});
+    words.entries.push_back({canopen::object_text(entry->index, entry->sub), text::printable(facts.name),
+                             text::printable(value_of(*entry, facts.type))});
   }
   const auto rest = reader.rest();
   if (!reader.intact()) {
@@ -69,8 +70,7 @@ std::vector<std::string> hex_dump(std::span<const std::uint8_t> bytes, std::size
   std::vector<std::string> lines;
   for (std::size_t at = 0; at < bytes.size(); at += in_line) {
     const auto part = bytes.subspan(at, std::min(in_line, bytes.size() - at));
-    std::string line = fmt::format("{:08X} ", first + at);
-    for (const std::uint8_t byte : part) fmt::format_to(std::back_inserter(line), " {:02X}", byte);
+    std::string line = fmt::format("{:08X}  {}", first + at, ascii::hex_bytes(part, " "));
     line.append(3 * (in_line - part.size()), ' ');
     lines.push_back(fmt::format("{}  |{}|", line, ascii_of(part)));
   }

@@ -1,26 +1,14 @@
 #include "canopus/client/plc_address.hpp"
 
-#include <charconv>
-#include <optional>
-
 #include <fmt/format.h>
+
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 
 namespace canopus::client {
 
-namespace {
-
-std::optional<std::int64_t> number(std::string_view digits, int base) {
-  std::int64_t value = 0;
-  const char* end = digits.data() + digits.size();
-  const auto [stop, error] = std::from_chars(digits.data(), end, value, base);
-  if (digits.empty() || error != std::errc{} || stop != end) return std::nullopt;
-  return value;
-}
-
-}  // namespace
-
 std::expected<std::uint16_t, std::string> parse_plc_word(std::string_view text) {
-  const std::string all = plc::upper(text);
+  const std::string all = ascii::upper(text);
   std::string_view digits = all;
   int base = 10;
   if (digits.starts_with("0X")) {
@@ -35,7 +23,7 @@ std::expected<std::uint16_t, std::string> parse_plc_word(std::string_view text) 
   } else if (digits.starts_with('K')) {
     digits.remove_prefix(1);
   }
-  const auto value = number(digits, base);
+  const auto value = ascii::parse_number<std::int64_t>(digits, base);
   const std::int64_t least = base == 16 ? 0 : -32768;
   if (!value || *value < least || *value > 0xFFFF)
     return std::unexpected(
@@ -44,7 +32,7 @@ std::expected<std::uint16_t, std::string> parse_plc_word(std::string_view text) 
 }
 
 std::expected<bool, std::string> parse_plc_bit(std::string_view text) {
-  const std::string all = plc::upper(text);
+  const std::string all = ascii::upper(text);
   if (all == "1" || all == "ON") return true;
   if (all == "0" || all == "OFF") return false;
   return std::unexpected(fmt::format("'{}' is no bit; expected 1, 0, ON or OFF", text));

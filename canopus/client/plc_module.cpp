@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "canopus/canopen/dictionary/abort_code.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
 
 namespace canopus::client {
 namespace {
@@ -188,8 +189,7 @@ Result<std::vector<std::uint32_t>> PlcModule::read_objects(
       const std::span<const std::uint16_t> slot = std::span(*words).subspan(1 + 8 * i, 8);
       const std::uint32_t value = static_cast<std::uint32_t>(slot[5]) << 16 | slot[4];
       if ((slot[0] & 0xFF00) != 0) {
-        return std::unexpected(
-            fmt::format("{:04X}H:{:02X}: {}", now[i].index, now[i].sub, abort_text(value)));
+        return std::unexpected(canopen::object_name(now[i].index, now[i].sub) + ": " + abort_text(value));
       }
       values.push_back(slot[3] >= 4 ? value : value & ((1U << 8 * slot[3]) - 1));
     }

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 
 #include <fmt/format.h>
+
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 
 namespace canopus::client {
 
@@ -35,11 +37,8 @@ constexpr std::array devices_of_as300 = {
 };
 
 std::optional<std::uint32_t> number_up_to(std::string_view digits, std::uint32_t last) {
-  std::uint32_t value = 0;
-  const char* end = digits.data() + digits.size();
-  const auto [stop, error] = std::from_chars(digits.data(), end, value);
-  if (digits.empty() || error != std::errc{} || stop != end || value > last) return std::nullopt;
-  return value;
+  const auto value = ascii::parse_number<std::uint32_t>(digits);
+  return value && *value <= last ? value : std::nullopt;
 }
 
 std::unexpected<std::string> no_point(std::string_view text, std::string_view why) {
@@ -60,7 +59,7 @@ std::expected<PlcPoint, std::string> parse_modbus(std::string_view text) {
     if (!address) return no_point(text, "has no address 0 to 65535 behind the colon");
     return PlcPoint{table->kind, {.number = *address}};
   }
-  const std::string all = plc::upper(text);
+  const std::string all = ascii::upper(text);
   const std::size_t letters = std::min(all.find_first_of("0123456789"), all.size());
   const std::string_view name = std::string_view(all).substr(0, letters);
   std::string_view digits = std::string_view(all).substr(letters);

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/ascii/number.hpp"
 #include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
 #include "canopus/text/json.hpp"
@@ -71,50 +72,41 @@ std::expected<std::vector<std::uint8_t>, std::string> encode_number(std::string_
   const bool negative = digits.starts_with('-');
   if (negative) digits.remove_prefix(1);
   int base = 10;
-  if (digits.starts_with("0x") || digits.starts_with("0X")) {
+  if (ascii::has_hex_prefix(digits)) {
     digits.remove_prefix(2);
     base = 16;
   } else if (digits.ends_with('H') || digits.ends_with('h')) {
     digits.remove_suffix(1);
     base = 16;
   }
-  std::uint64_t size = 0;
-  const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), size, base);
-  if (digits.empty() || end != digits.data() + digits.size() || failure == std::errc::invalid_argument) {
+  const auto size = ascii::parse_number_or_error<std::uint64_t>(digits, base);
+  if (!size && size.error() == ascii::NumberError::no_number) {
     return std::unexpected(fmt::format(
         "\"{}\" is not a number for {}; expected for example 1234, 0x4D2 or 4D2H", text, type_name(type)));
   }
   // A hexadecimal number may be the bit pattern of a negative one: FFH as i8 is -1.
   const std::uint64_t limit = negative ? lowest : base == 16 ? ~std::uint64_t{0} >> (64U - bits) : highest;
-  if (failure == std::errc::result_out_of_range || size > limit) {
+  if (!size || *size > limit) {
     return std::unexpected(fmt::format("{} does not fit {}: expected {}{} to {}", text, type_name(type),
                                        is_signed ? "-" : "", lowest, highest));
   }
-  return canopen::little_endian(negative ? ~size + 1 : size, canopen::byte_length(type));
+  return canopen::little_endian(negative ? ~*size + 1 : *size, canopen::byte_length(type));
 }
 
 std::expected<std::vector<std::uint8_t>, std::string> encode_real(std::string_view text, DataType type) {
-  double value = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc{} || end != text.data() + text.size()) {
+  const auto value = ascii::parse_number<double>(text);
+  if (!value) {
     return std::unexpected(fmt::format("\"{}\" is not a number for {}; expected for example 1.5 or -2e3",
                                        text, type_name(type)));
   }
-  if (type == DataType::real64) return canopen::little_endian(std::bit_cast<std::uint64_t>(value), 8);
-  return canopen::little_endian(std::bit_cast<std::uint32_t>(static_cast<float>(value)), 4);
+  if (type == DataType::real64) return canopen::little_endian(std::bit_cast<std::uint64_t>(*value), 8);
+  return canopen::little_endian(std::bit_cast<std::uint32_t>(static_cast<float>(*value)), 4);
 }
 
 std::expected<std::vector<std::uint8_t>, std::string> encode_bytes(std::string_view text) {
   std::string digits;
   std::ranges::copy_if(text, std::back_inserter(digits), [](char c) { return c != ' '; });
-  std::vector<std::uint8_t> bytes(digits.size() / 2);
-  bool good = digits.size() % 2 == 0;
-  for (std::size_t i = 0; good && i < bytes.size(); ++i) {
-    const char* first = digits.data() + 2 * i;
-    const auto [end, failure] = std::from_chars(first, first + 2, bytes[i], 16);
-    good = failure == std::errc{} && end == first + 2;
-  }
-  if (good) return bytes;
+  if (auto bytes = ascii::bytes_of_hex(digits)) return std::move(*bytes);
   return std::unexpected(fmt::format(
       "\"{}\" are not bytes; expected pairs of hexadecimal digits, for example \"01 A0 FF\"", text));
 }
@@ -273,12 +265,7 @@ text::Json json_value(std::span<const std::uint8_t> bytes, DataType type) {
 }
 
 std::string hexadecimal(std::span<const std::uint8_t> bytes, std::string_view between) {
-  std::string text;
-  for (const std::uint8_t byte : bytes) {
-    if (!text.empty()) text += between;
-    text += fmt::format("{:02X}", byte);
-  }
-  return text;
+  return ascii::hex_bytes(bytes, between);
 }
 
 }  // namespace canopus::client

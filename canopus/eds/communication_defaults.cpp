@@ -1,9 +1,9 @@
 #include "canopus/eds/communication_defaults.hpp"
 
-#include <cstdio>
 #include <optional>
 #include <string>
 
+#include "canopus/ascii/hex.hpp"
 #include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/canopen/service/device_profile.hpp"
 
@@ -42,11 +42,7 @@ std::optional<Default> default_of(std::uint16_t index, std::uint8_t sub) {
   return std::nullopt;
 }
 
-std::string hexadecimal(std::uint64_t value, int digits) {
-  char text[24];
-  std::snprintf(text, sizeof text, "%0*llXH", digits, static_cast<unsigned long long>(value));
-  return text;
-}
+std::string hexadecimal(std::uint64_t value, int digits) { return ascii::hex(value, digits) + 'H'; }
 
 /// "$NODEID+80H", "80000000H", "FFH".
 std::string shown(std::uint64_t value, bool adds_node_id, DataType type) {

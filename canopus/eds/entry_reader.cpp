@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "canopus/ascii/words.hpp"
 #include "canopus/eds/number.hpp"
 #include "canopus/eds/value.hpp"
 #include "canopus/eds/words.hpp"
@@ -39,7 +40,7 @@ Access read_access(const ObjectKeys& keys, std::uint16_t index, std::uint8_t sub
       problems.repeated(Severity::warning, "access word", item->line,
                         Place{problems, *item, index, sub}.quoted() + ": none of ro wo rw rwr rww const",
                         item->column);
-    } else if (item->value != lower(item->value)) {
+    } else if (item->value != ascii::lower(item->value)) {
       problems.repeated(Severity::note, "access case", item->line,
                         Place{problems, *item, index, sub}.quoted() + " is in capitals", item->column);
     }

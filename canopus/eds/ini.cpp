@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "canopus/ascii/words.hpp"
 #include "canopus/eds/words.hpp"
 
 namespace canopus::eds {
@@ -144,8 +145,7 @@ void IniFile::add_item(std::string_view line, std::size_t equals, unsigned numbe
   item.value = value;
   item.line = number;
   item.column = static_cast<unsigned>(value.empty() ? equals + 2 : value.data() - line.data() + 1);
-  if (item.folded_key.size() != key.size() &&
-      std::ranges::any_of(key, [](char c) { return c == ' ' || c == '\t'; })) {
+  if (item.folded_key.size() != key.size() && std::ranges::any_of(key, ascii::is_blank)) {
     problems.repeated(Severity::note, "blank in key " + item.folded_key, number,
                       "key \"" + item.key + "\" is written with a blank");
   }

@@ -1,38 +1,32 @@
 #include "canopus/eds/number.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/eds/words.hpp"
 
 namespace canopus::eds {
 namespace {
 
-bool is_hex_digit(char c) noexcept { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); }
-bool is_digit(char c) noexcept { return c >= '0' && c <= '9'; }
-
-std::optional<std::uint64_t> digits(std::string_view text, int base) {
-  std::uint64_t value = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value, base);
-  if (text.empty() || failure != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
+using ascii::parse_number;
 
 /// A number without sign and blanks, in lower case.
 std::optional<Number> unsigned_number(std::string_view text) {
   Number number;
   if (text.starts_with("0x")) {
-    const auto value = digits(text.substr(2), 16);
+    const auto value = parse_number<std::uint64_t>(text.substr(2), 16);
     if (!value) return std::nullopt;
     number.magnitude = *value;
     number.hexadecimal = true;
     return number;
   }
-  if (std::ranges::all_of(text, is_digit)) {
+  if (std::ranges::all_of(text, ascii::is_digit)) {
     const bool is_octal =
         text.size() > 1 && text.front() == '0' && text.find_first_of("89") == std::string_view::npos;
-    const auto value = digits(text, is_octal ? 8 : 10);
+    const auto value = parse_number<std::uint64_t>(text, is_octal ? 8 : 10);
     if (!value) return std::nullopt;
     number.magnitude = *value;
     if (is_octal && *value > 7) number.overlooked = "a leading 0 makes it octal";
@@ -40,7 +34,7 @@ std::optional<Number> unsigned_number(std::string_view text) {
   }
   if (const std::size_t end = text.find_last_not_of("ul");
       end != std::string_view::npos && end + 1 < text.size() && end + 4 > text.size()) {
-    if (const auto value = digits(text.substr(0, end + 1), 10)) {
+    if (const auto value = parse_number<std::uint64_t>(text.substr(0, end + 1))) {
       number.magnitude = *value;
       number.overlooked = "letters behind the number";
       return number;
@@ -48,8 +42,8 @@ std::optional<Number> unsigned_number(std::string_view text) {
   }
   std::string_view hex = text;
   if (hex.ends_with('h')) hex.remove_suffix(1);
-  if (!hex.empty() && std::ranges::all_of(hex, is_hex_digit)) {
-    const auto value = digits(hex, 16);
+  if (ascii::is_hex(hex)) {
+    const auto value = parse_number<std::uint64_t>(hex, 16);
     if (!value) return std::nullopt;
     number.magnitude = *value;
     number.hexadecimal = true;
@@ -108,13 +102,13 @@ std::optional<Number> read_number(std::string_view text) {
   std::string_view overlooked;
   const std::string_view bare = without_comment(text);
   if (bare.size() != trim(text).size()) overlooked = "a comment behind the number";
-  std::string word = lower(bare);
+  std::string word = ascii::lower(bare);
   if (word.size() >= 2 && word.front() == '"' && word.back() == '"') {
     word = word.substr(1, word.size() - 2);
     overlooked = "quotes round the number";
   }
   const std::size_t length = word.size();
-  std::erase_if(word, [](char c) { return c == ' ' || c == '\t'; });
+  std::erase_if(word, ascii::is_blank);
   if (word.size() != length) overlooked = "blanks inside";
 
   bool adds_node_id = false;
@@ -146,17 +140,11 @@ std::optional<Number> read_number(std::string_view text) {
 }
 
 std::optional<double> read_real(std::string_view text) {
-  std::string word = lower(trim(text));
+  std::string word = ascii::lower(trim(text));
   std::ranges::replace(word, ',', '.');
   if (word.starts_with('+')) word.erase(0, 1);
   if (word.ends_with('f') && word.find('.') != std::string::npos) word.pop_back();  // 1.0f
-  double value = 0;
-  const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (word.empty() || failure == std::errc::invalid_argument || end != word.data() + word.size()) {
-    return std::nullopt;
-  }
-  if (failure == std::errc::result_out_of_range) return std::nullopt;
-  return value;
+  return parse_number<double>(word);
 }
 
 }  // namespace canopus::eds

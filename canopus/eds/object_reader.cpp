@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "canopus/ascii/words.hpp"
 #include "canopus/eds/entry_reader.hpp"
 #include "canopus/eds/object_lists.hpp"
 #include "canopus/eds/value.hpp"
@@ -60,7 +61,7 @@ ObjectCode ObjectReader::likely_code() const {
   std::set<std::string> types;
   for (const auto& [sub, section] : sections_.subs) {
     const Item* type = section->find("datatype");
-    if (sub != 0 && type != nullptr) types.insert(lower(type->value));
+    if (sub != 0 && type != nullptr) types.insert(ascii::lower(type->value));
   }
   return types.size() > 1 ? ObjectCode::record : ObjectCode::array;
 }

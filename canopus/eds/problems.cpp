@@ -10,8 +10,6 @@ namespace {
 
 constexpr std::size_t most_problems = 2000;  // of a file made to annoy; real ones have less than 300
 
-constexpr std::string_view hex_digits = "0123456789ABCDEF";
-
 }  // namespace
 
 std::string_view name(Problem::Severity severity) noexcept {
@@ -75,16 +73,6 @@ std::string printable(std::string_view text) {
     shown += byte < 0x20 || byte == 0x7F ? '?' : c;
   }
   return shown;
-}
-
-std::string object_name(std::uint16_t index) {
-  std::string text;
-  for (int shift = 12; shift >= 0; shift -= 4) text += hex_digits[(index >> shift) & 0xF];
-  return text + 'H';
-}
-
-std::string object_name(std::uint16_t index, std::uint8_t sub) {
-  return object_name(index) + ':' + hex_digits[sub >> 4] + hex_digits[sub & 0xF];
 }
 
 std::string counted(std::size_t count, std::string_view what) {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/eds/device_file.hpp"
 
 namespace canopus::eds {
@@ -40,10 +41,7 @@ class Problems {
 /// Text of the file as it may stand in a message: control characters and bytes that are not UTF-8 replaced,
 /// long text cut.
 [[nodiscard]] std::string printable(std::string_view text);
-/// "1018H".
-[[nodiscard]] std::string object_name(std::uint16_t index);
-/// "1018H:01".
-[[nodiscard]] std::string object_name(std::uint16_t index, std::uint8_t sub);
+using canopen::object_name;
 /// "1 object", "2 objects".
 [[nodiscard]] std::string counted(std::size_t count, std::string_view what);
 

@@ -8,6 +8,9 @@
 #include <limits>
 #include <string>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
 #include "canopus/eds/number.hpp"
@@ -23,10 +26,7 @@ using canopen::is_signed;
 using canopen::little_endian;
 
 std::string hex_text(std::uint64_t value, unsigned digits = 1) {
-  std::string text;
-  for (; value != 0 || text.size() < digits; value >>= 4)
-    text.insert(text.begin(), "0123456789ABCDEF"[value & 0xF]);
-  return "0x" + text;
+  return "0x" + ascii::hex(value, static_cast<int>(digits));
 }
 
 std::uint64_t sign_extended(std::uint64_t value, unsigned bits) noexcept {
@@ -124,27 +124,18 @@ std::string_view without_quotes(const Place& place) {
 
 Value octets(const Place& place) {
   std::string_view text = without_quotes(place);
-  if (text.starts_with("0x") || text.starts_with("0X")) text.remove_prefix(2);
+  if (ascii::has_hex_prefix(text)) text.remove_prefix(2);
   Value value;
   unsigned half = 0;
   bool is_half = false;
   bool is_hex = true;
   for (const char c : text) {
-    unsigned digit = 0;
-    if (c >= '0' && c <= '9') {
-      digit = static_cast<unsigned>(c - '0');
-    } else if (c >= 'a' && c <= 'f') {
-      digit = static_cast<unsigned>(c - 'a') + 10;
-    } else if (c >= 'A' && c <= 'F') {
-      digit = static_cast<unsigned>(c - 'A') + 10;
-    } else if ((c == ' ' || c == '\t') && !is_half) {
-      continue;
-    } else {
-      is_hex = false;
-      break;
-    }
-    if (is_half) value.bytes.push_back(static_cast<std::uint8_t>(half << 4 | digit));
-    half = digit;
+    const auto digit = ascii::hex_value(c);
+    if (!digit && ascii::is_blank(c) && !is_half) continue;
+    is_hex = digit.has_value();
+    if (!is_hex) break;
+    if (is_half) value.bytes.push_back(static_cast<std::uint8_t>(half << 4 | *digit));
+    half = *digit;
     is_half = !is_half;
   }
   if (is_hex && is_half && value.bytes.empty()) {  // a single digit

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "canopus/ascii/words.hpp"
 #include "canopus/eds/device_file.hpp"
 
 namespace canopus::eds {
@@ -15,11 +16,7 @@ using canopen::Access;
 using canopen::DataType;
 using canopen::ObjectCode;
 
-constexpr bool is_blank(char c) noexcept {
-  return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\r';
-}
-
-constexpr char lower(char c) noexcept { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+constexpr bool is_blank(char c) noexcept { return ascii::is_blank(c) || c == '\v' || c == '\f' || c == '\r'; }
 
 /// What folded() makes of a character: one, or none.
 struct Folding {
@@ -30,7 +27,7 @@ constexpr std::array<Folding, 256> foldings = [] {
   std::array<Folding, 256> all{};
   for (std::size_t i = 0; i < all.size(); ++i) {
     const char c = static_cast<char>(i);
-    all[i].letter = lower(c);
+    all[i].letter = ascii::lower(c);
     all[i].length = is_blank(c) || c == '_' || c == '-' ? 0 : 1;
   }
   return all;
@@ -38,7 +35,7 @@ constexpr std::array<Folding, 256> foldings = [] {
 
 /// A number, as most files have it: no word.
 constexpr bool begins_with_digit(std::string_view word) noexcept {
-  return !word.empty() && word.front() >= '0' && word.front() <= '9';
+  return !word.empty() && ascii::is_digit(word.front());
 }
 
 struct TypeName {
@@ -130,17 +127,7 @@ std::size_t utf8_length(std::string_view text) noexcept {
 
 }  // namespace
 
-std::string_view trim(std::string_view text) noexcept {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = lower(c);
-  return result;
-}
+std::string_view trim(std::string_view text) noexcept { return ascii::trim(text, is_blank); }
 
 std::string folded(std::string_view text) {
   std::string result(text);
@@ -286,7 +273,7 @@ std::optional<ObjectCode> object_code(std::string_view word) {
   if (begins_with_digit(word)) return std::nullopt;
   const std::string asked = folded(word);
   for (const CodeName& known : code_names) {
-    if (asked == lower(known.name)) return known.code;
+    if (asked == ascii::lower(known.name)) return known.code;
   }
   if (asked == "variable") return ObjectCode::variable;
   if (asked == "struct") return ObjectCode::record;

@@ -11,8 +11,8 @@
 
 namespace canopus::eds {
 
+/// Without what these files have as blanks at both ends: also vertical tabulators, form feeds and carriage returns.
 [[nodiscard]] std::string_view trim(std::string_view text) noexcept;
-[[nodiscard]] std::string lower(std::string_view text);
 /// Lower case, without blanks, underscores and hyphens: what section and key names are compared by.
 [[nodiscard]] std::string folded(std::string_view text);
 /// True when one word can be meant by the other: at most two letters wrong, missing, too many or swapped in a

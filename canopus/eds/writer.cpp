@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "canopus/ascii/hex.hpp"
 #include "canopus/can/little_endian.hpp"
 #include "canopus/eds/problems.hpp"
 #include "canopus/eds/value.hpp"
@@ -21,13 +22,7 @@ using canopen::Entry;
 using canopen::ObjectCode;
 using canopen::ObjectDescription;
 
-std::string hex(std::uint64_t value, int digits) {
-  std::string text;
-  for (; value != 0 || digits > 0; value >>= 4, --digits) {
-    text.insert(text.begin(), "0123456789ABCDEF"[value & 0xF]);
-  }
-  return text;
-}
+using ascii::hex;
 
 // Below it are the data types, which the format has in [DummyUsage] alone.
 constexpr std::uint16_t first_object = 0x1000;

@@ -1,10 +1,12 @@
 #include "canopus/eds/xdd.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <unordered_map>
 #include <utility>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/eds/words.hpp"
 #include "canopus/eds/xdd_parameters.hpp"
 #include "canopus/eds/xml/profiles.hpp"
@@ -20,17 +22,6 @@ using xml::local_name;
 constexpr std::size_t most_items = 64;  // of a section whose keys the file chooses
 constexpr std::string_view mark = "\xEF\xBB\xBF";
 
-std::string folded_hex(unsigned value, int digits) {
-  std::string text;
-  for (; value != 0 || digits > 0; value >>= 4, --digits)
-    text.insert(text.begin(), "0123456789abcdef"[value & 0xF]);
-  return text;
-}
-
-bool is_hex(std::string_view text) noexcept {
-  return !text.empty() && text.find_first_not_of("0123456789ABCDEFabcdef") == std::string_view::npos;
-}
-
 /// 2025-12-31, with a time zone or without, as CiA 306 writes it: 12-31-2025. Empty: no such date.
 std::string date_of(std::string_view text) {
   if (text.size() < 10 || text[4] != '-' || text[7] != '-') return {};
@@ -39,13 +30,12 @@ std::string date_of(std::string_view text) {
 
 /// 16:49:28.79+01:00 as 04:49PM. Empty: no such time.
 std::string time_of(std::string_view text) {
-  unsigned hour = 0;
   if (text.size() < 5 || text[2] != ':') return {};
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + 2, hour);
-  if (failure != std::errc{} || end != text.data() + 2 || hour > 23) return {};
-  const unsigned shown = hour % 12 == 0 ? 12 : hour % 12;
+  const auto hour = ascii::parse_number<unsigned>(text.substr(0, 2));
+  if (!hour || *hour > 23) return {};
+  const unsigned shown = *hour % 12 == 0 ? 12 : *hour % 12;
   return std::string(shown < 10 ? "0" : "") + std::to_string(shown) + ':' + std::string(text.substr(3, 2)) +
-         (hour < 12 ? "AM" : "PM");
+         (*hour < 12 ? "AM" : "PM");
 }
 
 std::string number_of_word(std::string_view word) {
@@ -184,7 +174,7 @@ class XddReader {
                             "\": an index is four hexadecimal digits: left out");
       return;
     }
-    const std::string folded_index = folded_hex(*index, 4);
+    const std::string folded_index = ascii::lower_hex(*index, 4);
     const std::string shown = object_name(static_cast<std::uint16_t>(*index));
     if (const auto [place, is_new] = lines_.try_emplace(folded_index, document_.position(object).line);
         !is_new) {
@@ -206,7 +196,7 @@ class XddReader {
                                     "\": a sub-index is two hexadecimal digits: left out");
         continue;
       }
-      std::string name = folded_index + "sub" + folded_hex(*sub, 1);
+      std::string name = folded_index + "sub" + ascii::lower_hex(*sub);
       const std::string shown_sub =
           object_name(static_cast<std::uint16_t>(*index), static_cast<std::uint8_t>(*sub));
       if (const auto [place, is_new] = lines_.try_emplace(name, line); !is_new) {
@@ -230,7 +220,8 @@ class XddReader {
     add(section, "highlimit", attribute(object, "highLimit"));
     for (const auto& [key, name] : {std::pair{"datatype", "dataType"}, std::pair{"objflags", "objFlags"}}) {
       const auto given = attribute(object, name);
-      add(section, key, given, is_hex(given.value()) ? "0x" + std::string(given.value()) : given.value());
+      add(section, key, given,
+          ascii::is_hex(given.value()) ? "0x" + std::string(given.value()) : given.value());
     }
     add(section, "accesstype", attribute(object, "accessType"));
     if (const auto reference = attribute(object, "uniqueIDRef")) {
@@ -305,7 +296,7 @@ std::optional<std::string> xml_text(std::string_view text, Problems& problems) {
     return from_utf16(text.substr(2), text.starts_with("\xFE\xFF"));
   }
   if (is_utf8(text)) return std::string(text);
-  const std::string declaration = lower(text.substr(0, std::min<std::size_t>(text.find("?>"), 200)));
+  const std::string declaration = ascii::lower(text.substr(0, std::min<std::size_t>(text.find("?>"), 200)));
   unsigned line = 1;
   for (std::string_view rest = text; !rest.empty(); ++line) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
@@ -323,11 +314,9 @@ std::optional<std::string> xml_text(std::string_view text, Problems& problems) {
 
 std::optional<unsigned> read_hexadecimal(std::string_view text, std::size_t digits) {
   text = trim(text);
-  if (text.starts_with("0x") || text.starts_with("0X")) text.remove_prefix(2);
-  if (!is_hex(text) || text.size() > digits) return std::nullopt;
-  unsigned value = 0;
-  std::from_chars(text.data(), text.data() + text.size(), value, 16);
-  return value;
+  if (ascii::has_hex_prefix(text)) text.remove_prefix(2);
+  if (text.size() > digits) return std::nullopt;
+  return ascii::parse_number<unsigned>(text, 16);
 }
 
 std::optional<IniFile> read_xdd(std::string_view text, Problems& problems) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "canopus/ascii/words.hpp"
 #include "canopus/eds/words.hpp"
 
 namespace canopus::eds {
@@ -60,11 +61,9 @@ void add_item(Section& section, const xml::Document& document, std::string_view 
 }
 
 void add_item(Section& section, const xml::Document& document, std::string_view key, pugi::xml_node given) {
-  constexpr std::string_view blanks = " \t\r\n";
+  const auto is_xml_blank = [](char c) { return ascii::is_blank(c) || c == '\r' || c == '\n'; };
   if (!given) return;
-  std::string_view text = given.child_value();
-  text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
-  text = text.substr(0, text.find_last_not_of(blanks) + 1);
+  const std::string_view text = ascii::trim(given.child_value(), is_xml_blank);
   add_at(section, key, given.name(), text, document.position(given));
 }
 

@@ -1,9 +1,10 @@
 #include "canopus/link/allow_list.hpp"
 
 #include <algorithm>
-#include <charconv>
 
 #include <arpa/inet.h>
+
+#include "canopus/ascii/number.hpp"
 
 namespace canopus::link {
 
@@ -65,13 +66,12 @@ std::expected<Network, std::string> parse_network(std::string_view text) {
   if (slash == std::string_view::npos) return network;
   const unsigned most = is_ipv4(*address) ? 32 : 128;
   const std::string_view digits = text.substr(slash + 1);
-  unsigned prefix = 0;
-  const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), prefix);
-  if (failure != std::errc{} || end != digits.data() + digits.size() || prefix > most) {
+  const auto prefix = ascii::parse_number<unsigned>(digits);
+  if (!prefix || *prefix > most) {
     return std::unexpected("\"" + std::string(text) + "\": a network's prefix is 0 to " +
                            std::to_string(most));
   }
-  network.prefix = prefix + (most == 32 ? ipv4_offset : 0);
+  network.prefix = *prefix + (most == 32 ? ipv4_offset : 0);
   const InternetAddress first = masked(*address, network.prefix);
   if (first != *address) {
     return std::unexpected("\"" + std::string(text) + "\" has bits behind its prefix; expected " +

@@ -1,10 +1,10 @@
 #include "canopus/link/bus_address.hpp"
 
 #include <algorithm>
-#include <charconv>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/number.hpp"
 #include "canopus/link/allow_list.hpp"
 
 namespace canopus::link {
@@ -45,8 +45,9 @@ std::unexpected<std::string> refuse(std::string_view text, std::string_view expe
 
 template <typename Number>
 bool read_number(std::string_view digits, Number& number) {
-  const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  return failure == std::errc{} && end == digits.data() + digits.size() && number != 0;
+  const auto read = ascii::parse_number<Number>(digits);
+  number = read.value_or(0);
+  return number != 0;
 }
 
 bool take_prefix(std::string_view& text, std::string_view prefix) {

@@ -1,10 +1,12 @@
 #include "canopus/link/socketcand_dialogue.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <utility>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/link/can_error.hpp"
 #include "canopus/link/socketcand_words.hpp"
 
@@ -23,28 +25,18 @@ std::string printable(std::string_view text) {
   return shown;
 }
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 }  // namespace
 
 std::size_t write_socketcand_send(std::span<char, socketcand_max_send> out,
                                   const can::Frame& frame) noexcept {
-  constexpr char hex_digits[] = "0123456789ABCDEF";
   const std::string_view start = frame.remote ? "< sendrtr " : "< send ";
   char* p = std::ranges::copy(start, out.data()).out;
-  for (int digit = frame.extended ? 7 : 2; digit >= 0; --digit) {
-    *p++ = hex_digits[frame.identifier >> (4 * digit) & 0xFU];
-  }
+  p = ascii::write_hex(p, frame.identifier, frame.extended ? 8 : 3);
   *p++ = ' ';
   *p++ = static_cast<char>('0' + std::min<unsigned>(frame.dlc, 8));
   for (const std::uint8_t byte : frame.bytes()) {
     *p++ = ' ';
-    if (byte >= 0x10) *p++ = hex_digits[byte >> 4];
-    *p++ = hex_digits[byte & 0xF];
+    p = ascii::write_hex(p, byte, byte >= 0x10 ? 2 : 1);
   }
   *p++ = ' ';
   *p++ = '>';
@@ -74,7 +66,7 @@ void SocketcandDialogue::receive(std::string_view bytes) {
     if (end == std::string::npos) break;  // the rest is still to come
     const std::string_view text(input_.data() + used + 1, end - used - 1);
     used = end + 1;
-    element(trimmed(text));
+    element(ascii::trim(text, is_blank));
   }
   if (state_ == State::failed) {
     input_.clear();
@@ -109,7 +101,7 @@ void SocketcandDialogue::element(std::string_view text) {
       return;
     case State::raw:
       if (word == "frame") return frame(rest);
-      if (word == "error") return error_element(trimmed(rest));
+      if (word == "error") return error_element(ascii::trim(rest, is_blank));
       if (word == "echo") return peer_.echoed();
       if (word == "ok" && std::exchange(bit_rate_asked_, false)) return peer_.bit_rate_changed();
       return;  // answers to nothing we asked
@@ -120,16 +112,16 @@ void SocketcandDialogue::element(std::string_view text) {
 // `581 12.000345 4318100101000000`; some servers put blanks between the bytes.
 void SocketcandDialogue::frame(std::string_view arguments) {
   const std::string_view identifier_word = take_word(arguments);
-  const auto identifier = number(identifier_word, 16);
+  const auto identifier = ascii::parse_number<std::uint32_t>(identifier_word, 16);
   can::Frame frame{.extended = identifier_word.size() == 8};
   (void)take_word(arguments);  // the server's time
   const std::uint32_t highest = frame.extended ? can::max_extended_identifier : can::max_base_identifier;
   bool good = identifier && *identifier <= highest;
   for (std::string_view word = take_word(arguments); good && !word.empty(); word = take_word(arguments)) {
     for (; good && !word.empty(); word.remove_prefix(std::min<std::size_t>(2, word.size()))) {
-      const auto byte = number(word.substr(0, 2), 16);
-      good = byte && word.size() >= 2 && frame.dlc < 8;
-      if (good) frame.data[frame.dlc++] = static_cast<std::uint8_t>(*byte);
+      const auto byte = ascii::byte_of_hex(word.substr(0, 2));
+      good = byte && frame.dlc < 8;
+      if (good) frame.data[frame.dlc++] = *byte;
     }
   }
   if (!good) return peer_.complaint("a frame that cannot be read");
@@ -142,7 +134,7 @@ void SocketcandDialogue::frame(std::string_view arguments) {
 void SocketcandDialogue::error_element(std::string_view arguments) {
   std::string_view rest = arguments;
   const std::string_view class_word = take_word(rest);
-  const auto error_class = number(class_word, 16);
+  const auto error_class = ascii::parse_number<std::uint32_t>(class_word, 16);
   const std::string_view time = take_word(rest);
   const bool is_error_frame = error_class && class_word.size() >= 3 && rest.empty() &&
                               time.find('.') != std::string_view::npos &&

@@ -6,12 +6,14 @@
 #include <chrono>
 #include <utility>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/ascii/number.hpp"
 #include "canopus/link/socketcand_words.hpp"
 
 namespace canopus::link {
 namespace {
 
-constexpr char hex_digits[] = "0123456789ABCDEF";
+using ascii::parse_number;
 
 /// Seconds with six decimals, cut.
 char* write_time(char* p, can::Time time) noexcept {
@@ -31,7 +33,7 @@ std::size_t write_socketcand_error(std::span<char, socketcand_max_message> out, 
                                    can::Time time) noexcept {
   constexpr std::string_view start = "< error ";
   char* p = std::ranges::copy(start, out.data()).out;
-  for (const unsigned digit : {2U, 1U, 0U}) *p++ = hex_digits[error_class >> (4 * digit) & 0xFU];
+  p = ascii::write_hex(p, error_class, 3);
   *p++ = ' ';
   p = write_time(p, time);
   *p++ = ' ';
@@ -43,16 +45,11 @@ std::size_t write_socketcand_frame(std::span<char, socketcand_max_message> out, 
                                    can::Time time) noexcept {
   constexpr std::string_view start = "< frame ";
   char* p = std::ranges::copy(start, out.data()).out;
-  for (int digit = frame.extended ? 7 : 2; digit >= 0; --digit) {
-    *p++ = hex_digits[frame.identifier >> (4 * digit) & 0xFU];
-  }
+  p = ascii::write_hex(p, frame.identifier, frame.extended ? 8 : 3);
   *p++ = ' ';
   p = write_time(p, time);
   *p++ = ' ';
-  for (const std::uint8_t byte : frame.bytes()) {
-    *p++ = hex_digits[byte >> 4];
-    *p++ = hex_digits[byte & 0xF];
-  }
+  for (const std::uint8_t byte : frame.bytes()) p = ascii::write_hex(p, byte, 2);
   *p++ = ' ';
   *p++ = '>';
   return static_cast<std::size_t>(p - out.data());
@@ -166,7 +163,7 @@ void SocketcandSession::element(std::string_view text) {
 
 // Behind the bit rate there may be the sample point and the parts of a bit, which a simulated bus has not.
 void SocketcandSession::set_bit_rate(std::string_view arguments) {
-  const auto bit_rate = number(take_word(arguments), 10);
+  const auto bit_rate = parse_number<std::uint32_t>(take_word(arguments));
   if (!bit_rate || std::ranges::find(can::bit_rates, *bit_rate) == std::end(can::bit_rates)) {
     return error("B: expected 10000 to 1000000 bit/s, of those that CAN networks have");
   }
@@ -177,7 +174,7 @@ void SocketcandSession::set_bit_rate(std::string_view arguments) {
 void SocketcandSession::send(std::string_view arguments, bool remote) {
   can::Frame frame{.remote = remote};
   const std::string_view identifier_word = take_word(arguments);
-  const auto identifier = number(identifier_word, 16);
+  const auto identifier = parse_number<std::uint32_t>(identifier_word, 16);
   if (!identifier || identifier_word.size() > 8) {
     return error("send: expected an identifier of 1 to 8 hexadecimal digits");
   }
@@ -187,14 +184,14 @@ void SocketcandSession::send(std::string_view arguments, bool remote) {
   }
   frame.identifier = *identifier;
 
-  const auto length = number(take_word(arguments), 10);
+  const auto length = parse_number<std::uint8_t>(take_word(arguments));
   if (!length || *length > 8) return error("send: expected a length of 0 to 8");
-  frame.dlc = static_cast<std::uint8_t>(*length);
+  frame.dlc = *length;
 
   for (std::uint8_t& byte : std::span(frame.data).first(frame.length())) {
-    const auto value = number(take_word(arguments), 16);
-    if (!value || *value > 0xFF) return error("send: expected as many bytes as the length says, 0 to FF");
-    byte = static_cast<std::uint8_t>(*value);
+    const auto value = parse_number<std::uint8_t>(take_word(arguments), 16);
+    if (!value) return error("send: expected as many bytes as the length says, 0 to FF");
+    byte = *value;
   }
   if (!take_word(arguments).empty()) return error("send: expected no more bytes than the length says");
   if (!bus_.send(frame)) refused_ = frame;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/manager/boot/concise_dcf.hpp"
 
 namespace canopus::master {
@@ -54,7 +55,7 @@ class Download {
     std::vector<text::FileError> errors;
     for (const text::ObjectSetting& setting : settings) {
       const auto [index, sub] = setting.object;
-      const std::string name = fmt::format("{:04X}:{:02X}", index, sub);
+      const std::string name = canopen::object_text(index, sub);
       const Entry entry = dictionary_.find(index, sub);
       if (!entry) {
         errors.push_back({setting.place, fmt::format("{}: the device file has no such object", name)});

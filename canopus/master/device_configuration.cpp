@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/hex.hpp"
 #include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/manager/boot/concise_dcf.hpp"
@@ -188,11 +189,7 @@ std::optional<std::string> value_text(ObjectName object, canopen::DataType type,
                                       std::span<const std::uint8_t> value) {
   using canopen::DataType;
   if (type == DataType::visible_string) return std::string(value.begin(), value.end());
-  if (type == DataType::octet_string) {
-    std::string text;
-    for (const std::uint8_t byte : value) text += fmt::format("{:02X}", byte);
-    return text;
-  }
+  if (type == DataType::octet_string) return ascii::hex_bytes(value);
   if (canopen::is_variable_length(type) || value.size() != canopen::byte_length(type)) return std::nullopt;
   const std::uint64_t number = can::load_value(value);
   if (type == DataType::real32)

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/manager/nmt/negotiation_words.hpp"
 
 namespace canopus::module_settings {
@@ -263,8 +264,8 @@ std::vector<ProjectFinding> ModuleProject::check() const {
       for (const std::uint32_t entry : row.mapping) {
         if (tool_->object_name(entry).empty()) {
           found.push_back(
-              {false, fmt::format("{}: mapped object {:04X}:{:02X} with {} bits is none of the module's",
-                                  place, entry >> 16, entry >> 8 & 0xFF, entry & 0xFF)});
+              {false, fmt::format("{}: mapped object {} with {} bits is none of the module's", place,
+                                  canopen::object_text(entry >> 16, entry >> 8 & 0xFF), entry & 0xFF)});
         }
       }
       if (!window.name_field.empty()) {

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
+
 namespace canopus::module_settings {
 namespace {
 
@@ -24,7 +26,7 @@ struct Target {
 
   auto operator<=>(const Target&) const = default;
   [[nodiscard]] std::string name() const {
-    return is_word ? fmt::format("G{}", number) : fmt::format("{:04X}H:{:02X}", number, sub);
+    return is_word ? fmt::format("G{}", number) : canopen::object_name(number, sub);
   }
 };
 

@@ -1,25 +1,17 @@
 #include "canopus/module_settings/module_windows.hpp"
 
 #include <algorithm>
-#include <charconv>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
+
 namespace canopus::module_settings {
-namespace {
-
-bool same_letters(std::string_view a, std::string_view b) noexcept {
-  const auto lower = [](char letter) {
-    return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter + 32) : letter;
-  };
-  return std::ranges::equal(a, b, {}, lower, lower);
-}
-
-}  // namespace
 
 const module::ConfigurationTool* find_tool(Tools tools, std::string_view model) noexcept {
-  const auto found =
-      std::ranges::find_if(tools, [&](const auto* tool) { return same_letters(model, tool->model); });
+  const auto found = std::ranges::find_if(
+      tools, [&](const auto* tool) { return ascii::equal_ignoring_case(model, tool->model); });
   return found == tools.end() ? nullptr : *found;
 }
 
@@ -62,15 +54,9 @@ std::string why_not(const Field& field, std::uint32_t value) {
 
 std::optional<std::uint32_t> parse_value(const Field& field, std::string_view text) noexcept {
   for (std::size_t i = 0; i < field.words.size(); ++i) {
-    if (same_letters(text, field.words[i])) return static_cast<std::uint32_t>(i);
+    if (ascii::equal_ignoring_case(text, field.words[i])) return static_cast<std::uint32_t>(i);
   }
-  const bool hexadecimal = text.starts_with("0x") || text.starts_with("0X");
-  if (hexadecimal) text.remove_prefix(2);
-  std::uint32_t value = 0;
-  const auto [end, failure] =
-      std::from_chars(text.data(), text.data() + text.size(), value, hexadecimal ? 16 : 10);
-  if (failure != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
+  return ascii::parse_number_with_prefix<std::uint32_t>(text);
 }
 
 std::string shown_value(const Field& field, std::uint32_t value) {

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/eds/words.hpp"
 #include "canopus/eds/xdd.hpp"
 
@@ -22,8 +23,8 @@ std::string first_problem(const std::vector<eds::Problem>& problems) {
 /// What a file name can be on any system.
 std::string as_file_name(std::string_view name) {
   std::string text;
-  for (const char c : eds::lower(name)) {
-    const bool is_plain = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  for (const char c : ascii::lower(name)) {
+    const bool is_plain = ascii::is_letter(c) || ascii::is_digit(c) || c == '_';
     if (is_plain) {
       text += c;
     } else if (!text.empty() && text.back() != '-') {
@@ -142,21 +143,16 @@ ProjectNode* NetworkProject::find_own(std::uint8_t node_id) noexcept {
 }
 
 std::expected<const ProjectNode*, std::string> NetworkProject::find(std::string_view node) const {
-  const bool is_hexadecimal = node.starts_with("0x") || node.starts_with("0X");
-  const std::string_view digits = is_hexadecimal ? node.substr(2) : node;
-  unsigned number = 0;
-  const auto [end, failure] =
-      std::from_chars(digits.data(), digits.data() + digits.size(), number, is_hexadecimal ? 16 : 10);
-  if (failure == std::errc{} && end == digits.data() + digits.size()) {
+  if (const auto number = ascii::parse_number_with_prefix<unsigned>(node)) {
     const auto place =
-        std::ranges::find_if(nodes_, [&](const ProjectNode& one) { return one.id() == number; });
+        std::ranges::find_if(nodes_, [&](const ProjectNode& one) { return one.id() == *number; });
     if (place != nodes_.end()) return &*place;
-    return std::unexpected(fmt::format("the project has no node {}", number));
+    return std::unexpected(fmt::format("the project has no node {}", *number));
   }
   const ProjectNode* found = nullptr;
   for (const ProjectNode& one : nodes_) {
     if (one.listed.name == node) return &one;
-    if (eds::lower(one.listed.name) != eds::lower(node)) continue;
+    if (!ascii::equal_ignoring_case(one.listed.name, node)) continue;
     if (found != nullptr) {
       return std::unexpected(fmt::format("{} and {} are called \"{}\": use the node-ID", found->shown_name(),
                                          one.shown_name(), eds::printable(node)));
@@ -233,7 +229,7 @@ std::expected<std::string, std::string> NetworkProject::free_file_name(const std
     std::string file = fmt::format("{}.{}", candidate, extension);
     const std::string path = in_folder(file);
     const bool is_used = std::ranges::any_of(
-        nodes_, [&](const ProjectNode& node) { return eds::lower(node.path) == eds::lower(path); });
+        nodes_, [&](const ProjectNode& node) { return ascii::equal_ignoring_case(node.path, path); });
     if (is_used) continue;
     const auto there = read_(path);
     if (!there) return std::unexpected(there.error());

@@ -1,12 +1,13 @@
 #include "canopus/network_project/nodelist.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cstdio>
 #include <map>
 #include <optional>
 #include <utility>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/eds/number.hpp"
 #include "canopus/eds/words.hpp"
 
@@ -38,7 +39,8 @@ std::optional<NodeKey> node_key(std::string_view key) {
   const std::size_t digits = std::min(rest.find_first_not_of("0123456789"), rest.size());
   if (digits == 0) return std::nullopt;
   NodeKey result{0, rest.substr(digits)};
-  if (digits <= 3 && rest.front() != '0') std::from_chars(rest.data(), rest.data() + digits, result.node_id);
+  if (digits <= 3 && rest.front() != '0')
+    result.node_id = ascii::parse_number<unsigned>(rest.substr(0, digits)).value_or(0);
   if (result.node_id > highest_node_id) result.node_id = 0;
   constexpr std::string_view known[] = {"present", "name", "refd", "dcfname"};
   if (std::ranges::find(known, result.item) == std::end(known)) return std::nullopt;
@@ -47,12 +49,6 @@ std::optional<NodeKey> node_key(std::string_view key) {
 
 std::string key_of(std::uint8_t node_id, std::string_view item) {
   return "Node" + std::to_string(node_id) + std::string(item);
-}
-
-std::string hexadecimal(std::size_t value) {
-  char text[24];
-  std::snprintf(text, sizeof text, "0x%02zX", value);
-  return text;
 }
 
 }  // namespace
@@ -160,7 +156,7 @@ void Nodelist::review(const ListedNetwork& network) {
       report(Severity::warning, line, "DCF of " + who + ": " + path.error());
       continue;
     }
-    const auto [owner, is_first] = owners.emplace(eds::lower(*path), node.node_id);
+    const auto [owner, is_first] = owners.emplace(ascii::lower(*path), node.node_id);
     if (!is_first) {
       report(Severity::warning, line,
              who + " has the DCF of node " + std::to_string(owner->second) + ": each node needs its own");
@@ -212,7 +208,7 @@ Done Nodelist::count_nodes(eds::IniText& file, const std::string& section) {
   const auto number = eds::read_number(old);
   if (number && number->magnitude == count) return {};
   return file.set(section, "Nodes",
-                  number && !number->hexadecimal ? std::to_string(count) : hexadecimal(count));
+                  number && !number->hexadecimal ? std::to_string(count) : "0x" + ascii::hex(count, 2));
 }
 
 Done Nodelist::set_node(std::size_t network, const ListedNode& node) {

@@ -1,38 +1,34 @@
 // Objects of a node by number or name.
 
-#include <charconv>
-
 #include <fmt/format.h>
 
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/eds/words.hpp"
 #include "canopus/network_project/network_project.hpp"
 
 namespace canopus::network_project {
 namespace {
 
-std::optional<unsigned> hexadecimal(std::string_view text) {
-  text = eds::trim(text);
-  if (text.starts_with("0x") || text.starts_with("0X")) text.remove_prefix(2);
-  if (text.ends_with('H') || text.ends_with('h')) text.remove_suffix(1);
-  unsigned value = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
-  if (text.empty() || failure != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
+template <typename Number>
+std::optional<Number> hexadecimal(std::string_view text) {
+  return ascii::parse_hexadecimal<Number>(eds::trim(text));
 }
 
 /// "6000:01", "1017"; nothing: it is none.
 canopen::Entry find_by_number(const canopen::DictionaryDescription& dictionary, std::string_view text) {
   const std::size_t colon = text.find(':');
-  const auto index = hexadecimal(text.substr(0, colon));
-  const auto sub = colon == std::string_view::npos ? std::optional(0U) : hexadecimal(text.substr(colon + 1));
-  if (!index || *index > 0xFFFF || !sub || *sub > 0xFF) return {};
-  return dictionary.find(static_cast<std::uint16_t>(*index), static_cast<std::uint8_t>(*sub));
+  const auto index = hexadecimal<std::uint16_t>(text.substr(0, colon));
+  const auto sub = colon == std::string_view::npos ? std::optional<std::uint8_t>(0)
+                                                   : hexadecimal<std::uint8_t>(text.substr(colon + 1));
+  if (!index || !sub) return {};
+  return dictionary.find(*index, *sub);
 }
 
 /// How people may write a name: "A: B", "A.B", "A/B".
 std::string comparable(std::string_view text) {
   std::string result;
-  for (const char c : eds::lower(text)) {
+  for (const char c : ascii::lower(text)) {
     if (c == ':' || c == '.' || c == '/') {
       while (result.ends_with(' ')) result.pop_back();
       result += ':';

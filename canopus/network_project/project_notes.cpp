@@ -1,10 +1,10 @@
 #include "canopus/network_project/project_notes.hpp"
 
-#include <charconv>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/number.hpp"
 #include "canopus/text/toml.hpp"
 
 namespace canopus::network_project {
@@ -14,10 +14,8 @@ constexpr std::string_view made_header =
     "# Notes of the network's nodes, by node-ID: CiA 306 has no key for them.\n";
 
 std::optional<std::uint8_t> node_id_of(std::string_view key) {
-  unsigned number = 0;
-  const auto [end, failure] = std::from_chars(key.data(), key.data() + key.size(), number);
-  const bool is_number = failure == std::errc{} && end == key.data() + key.size() && !key.starts_with('0');
-  return is_number && number <= 127 ? std::optional(static_cast<std::uint8_t>(number)) : std::nullopt;
+  const auto number = ascii::parse_number<std::uint8_t>(key);
+  return number && *number <= 127 && !key.starts_with('0') ? number : std::nullopt;
 }
 
 /// A string of TOML on one line.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/canopen/service/device_profile.hpp"
 #include "canopus/plant/event.hpp"
 #include "canopus/plant/file/process_value.hpp"
@@ -115,7 +116,7 @@ void DeviceOnBus::tick(can::Time now) {
 
 ForcedObject DeviceOnBus::forced_object(const canopen::Entry& entry, can::Time until) const {
   return {.device = status_.label,
-          .object = shown_object(entry),
+          .object = canopen::object_text(entry.index, entry.sub),
           .name = device_.file().dictionary->name(entry),
           .type = entry.description->type,
           .value = device_.node().dictionary().get<std::uint64_t>(entry),

@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/plant/file/process_value.hpp"
 #include "canopus/text/file_error.hpp"
 
@@ -17,13 +19,6 @@ namespace canopus::plant {
 namespace {
 
 using canopen::Entry;
-
-std::string_view trimmed(std::string_view text) {
-  const auto is_blank = [](char c) { return c == ' ' || c == '\t'; };
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
 
 std::optional<sim::ScriptStep> step_of(const sim::Device& device, const ScriptSection& script,
                                        text::FileErrors& errors) {
@@ -85,11 +80,11 @@ std::expected<std::vector<Field>, unsigned> fields_of(std::string_view line, cha
         }
       }
       const std::size_t end = std::min(line.find(separator, ++at), line.size());
-      if (!trimmed(line.substr(at, end - at)).empty()) return std::unexpected(field.column);
+      if (!ascii::trim(line.substr(at, end - at)).empty()) return std::unexpected(field.column);
       at = end;
     } else {
       const std::size_t end = std::min(line.find(separator, at), line.size());
-      field.text = trimmed(line.substr(at, end - at));
+      field.text = ascii::trim(line.substr(at, end - at));
       at = end;
     }
     fields.push_back(std::move(field));
@@ -100,11 +95,9 @@ std::expected<std::vector<Field>, unsigned> fields_of(std::string_view line, cha
 
 /// Seconds as a duration, to the nanosecond.
 std::optional<can::Duration> seconds(std::string_view text) {
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || stop != end || !(value >= 0) || value > 1e9) return std::nullopt;
-  return can::Duration(std::llround(value * 1e9));
+  const auto value = ascii::parse_number<double>(text);
+  if (!value || !(*value >= 0) || *value > 1e9) return std::nullopt;
+  return can::Duration(std::llround(*value * 1e9));
 }
 
 class CsvReader {
@@ -140,7 +133,7 @@ std::optional<std::string_view> CsvReader::line() {
     text_.remove_prefix(std::min(end + 1, text_.size()));
     ++number_;
     if (found.ends_with('\r')) found.remove_suffix(1);
-    if (!trimmed(found).empty()) return found;
+    if (!ascii::trim(found).empty()) return found;
   }
   return std::nullopt;
 }
@@ -163,7 +156,9 @@ std::expected<std::vector<Entry>, CsvProblem> CsvReader::header(std::string_view
     if (!entry) return problem(field.column, entry.error());
     const bool is_there = std::ranges::any_of(
         entries, [&](const Entry& other) { return other.index == entry->index && other.sub == entry->sub; });
-    if (is_there) return problem(field.column, fmt::format("{} has a column already", shown_object(*entry)));
+    if (is_there)
+      return problem(field.column,
+                     fmt::format("{} has a column already", canopen::object_text(entry->index, entry->sub)));
     entries.push_back(*entry);
   }
   return entries;
@@ -243,9 +238,9 @@ std::expected<sim::Condition, std::string> parse_condition(const sim::Device& de
   if (comparison == all.end()) {
     return std::unexpected(fmt::format("\"{}\" compares nothing; expected == != < <= > or >=", sign));
   }
-  const auto entry = find_process_value(device, trimmed(text.substr(0, two ? end - 1 : end)));
+  const auto entry = find_process_value(device, ascii::trim(text.substr(0, two ? end - 1 : end)));
   if (!entry) return std::unexpected(entry.error());
-  const auto value = parse_value(trimmed(text.substr(end + 1)), *entry, *device.file().dictionary);
+  const auto value = parse_value(ascii::trim(text.substr(end + 1)), *entry, *device.file().dictionary);
   if (!value) return std::unexpected(value.error());
   return sim::Condition{*entry, *comparison, *value};
 }

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/device_script.hpp"
 #include "canopus/plant/volatile_memory.hpp"
@@ -158,7 +160,7 @@ Assembly::File Assembly::configured(const File& file, const DeviceSection& secti
   // Devices of one file with the same values are one description; others share all but the values.
   std::string key = fmt::format("{}\n", static_cast<const void*>(file.get()));
   for (const auto& [entry, value] : changes) {
-    key += fmt::format("{:04X}:{:02X}={:02X}\n", entry.index, entry.sub, fmt::join(value, ""));
+    key += canopen::object_text(entry.index, entry.sub) + '=' + ascii::hex_bytes(value) + '\n';
   }
   File& known = configured_[key];
   if (known == nullptr) {

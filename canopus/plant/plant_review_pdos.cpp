@@ -189,9 +189,9 @@ void find_two_senders(const ReviewedBus& bus, Warnings& warnings) {
                 "a CAN-ID of its own";
       warnings.push_back(
           {place_of(node, sent.index, sent.sub),
-           fmt::format("{}: {} ({:04X}H:{:02X}) has CAN-ID {}, and {} of {} (line {}) has it, too: {}",
-                       node.name, sent.what, sent.index, sent.sub, can_id(CobId{sent.key}), first.sent.what,
-                       first.node->name, first.node->place.line, consequence)});
+           fmt::format("{}: {} ({}) has CAN-ID {}, and {} of {} (line {}) has it, too: {}", node.name,
+                       sent.what, eds::object_name(sent.index, sent.sub), can_id(CobId{sent.key}),
+                       first.sent.what, first.node->name, first.node->place.line, consequence)});
     }
   }
 }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/eds/value.hpp"
 #include "canopus/module/interface/event_records.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
@@ -122,7 +123,7 @@ Result<std::size_t> Request::device() const {
 
 Json Request::shown(const sim::Device& device, const Entry& entry) const {
   const canopen::DataType type = entry.description->type;
-  Json object{{"object", plant::shown_object(entry)},
+  Json object{{"object", canopen::object_text(entry.index, entry.sub)},
               {"name", device.file().dictionary->name(entry)},
               {"type", eds::name(type)},
               {"value", plant::json_value(type, device.node().dictionary().get<std::uint64_t>(entry))}};
@@ -233,7 +234,7 @@ Result<Json> Request::release() {
   answer["objects"] = Json::array();
   for (const Entry& entry : entries) {
     if (!seat.device().release(entry, now())) {
-      return std::unexpected(fmt::format("{} is not forced", plant::shown_object(entry)));
+      return std::unexpected(fmt::format("{} is not forced", canopen::object_text(entry.index, entry.sub)));
     }
     answer["objects"].push_back(shown(seat.device(), entry));
   }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/words.hpp"
 #include "canopus/client/plc_address.hpp"
 
 namespace canopus::serve {
@@ -13,13 +14,6 @@ namespace canopus::serve {
 namespace {
 
 constexpr std::string_view expected_form = "expected for example \"X1\", \"D100 >= 5\" or \"U0\\G601 == 5\"";
-
-std::string_view trimmed(std::string_view text) {
-  const auto is_blank = [](char c) { return c == ' ' || c == '\t'; };
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
 
 std::string why_refused(plc::AccessError error, const plc::melsec::Target& target, unsigned io_base) {
   const std::string address = client::plc_address(target, 0, io_base);
@@ -50,7 +44,7 @@ std::expected<PlcCondition, std::string> PlcCondition::parse(std::string_view te
   PlcCondition condition;
   const std::size_t at = text.find_first_of("=!<>");
   const unsigned io_base = rack.model().number_base(plc::Device::x);
-  const auto address = client::parse_plc_address(trimmed(text.substr(0, at)), io_base);
+  const auto address = client::parse_plc_address(ascii::trim(text.substr(0, at)), io_base);
   if (!address) return std::unexpected(address.error());
   condition.target_ = *address;
   condition.is_bit_ = !address->is_buffer && plc::device_info(address->device).is_bit;
@@ -60,7 +54,7 @@ std::expected<PlcCondition, std::string> PlcCondition::parse(std::string_view te
   if (at == std::string_view::npos) {
     if (condition.is_bit_) return condition;
     return std::unexpected(
-        fmt::format("\"{}\" is a word and needs a comparison; {}", trimmed(text), expected_form));
+        fmt::format("\"{}\" is a word and needs a comparison; {}", ascii::trim(text), expected_form));
   }
   const auto* found = std::ranges::find_if(
       comparisons, [&](const auto& each) { return text.substr(at).starts_with(each.first); });
@@ -68,7 +62,7 @@ std::expected<PlcCondition, std::string> PlcCondition::parse(std::string_view te
     return std::unexpected(fmt::format("\"{}\" has none of == != < <= > >=; {}", text, expected_form));
   }
   condition.comparison_ = found->second;
-  const std::string_view constant = trimmed(text.substr(at + found->first.size()));
+  const std::string_view constant = ascii::trim(text.substr(at + found->first.size()));
   if (condition.is_bit_) {
     const auto bit = client::parse_plc_bit(constant);
     if (!bit) return std::unexpected(bit.error());

@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 
+#include "canopus/ascii/words.hpp"
 #include "canopus/can/little_endian.hpp"
 
 namespace canopus::store {
@@ -30,8 +31,7 @@ constexpr std::array<std::uint32_t, 256> crc_table = [] {
 
 bool is_good_name(std::string_view name) {
   return !name.empty() && name.front() != '.' && std::ranges::all_of(name, [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
-           c == '_' || c == '%' || c == '.';
+    return ascii::is_letter(c) || ascii::is_digit(c) || c == '-' || c == '_' || c == '%' || c == '.';
   });
 }
 

@@ -1,10 +1,11 @@
 #include "canopus/text/byte_size.hpp"
 
 #include <array>
-#include <charconv>
 #include <limits>
 
 #include <fmt/format.h>
+
+#include "canopus/ascii/number.hpp"
 
 namespace canopus::text {
 namespace {
@@ -27,14 +28,12 @@ std::expected<std::uint64_t, std::string> parse_byte_size(std::string_view text)
     digits.remove_suffix(1);
     break;
   }
-  std::uint64_t number = 0;
-  const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  const bool is_number = failure == std::errc{} && end == digits.data() + digits.size();
-  if (!is_number || number == 0 || number > std::numeric_limits<std::uint64_t>::max() >> shift) {
+  const auto number = ascii::parse_number<std::uint64_t>(digits);
+  if (!number || *number == 0 || *number > std::numeric_limits<std::uint64_t>::max() >> shift) {
     return std::unexpected(fmt::format(
         "\"{}\" is not a size; expected bytes, or a number with K, M or G, for example \"16M\"", text));
   }
-  return number << shift;
+  return *number << shift;
 }
 
 std::string describe_byte_size(std::uint64_t bytes) {

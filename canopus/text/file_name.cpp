@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/words.hpp"
+
 namespace canopus::text {
 
 namespace {
@@ -22,8 +24,7 @@ std::string file_name_of(std::string_view name) {
   constexpr std::size_t longest_beginning = 60;
   std::string file;
   for (const char c : name) {
-    const bool stays =
-        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+    const bool stays = ascii::is_letter(c) || ascii::is_digit(c) || c == '-' || c == '_';
     file += stays ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
     if (file.size() > longest) {
       return fmt::format("{}-{:016x}", file.substr(0, longest_beginning), checksum(name));

@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 
+#include "canopus/ascii/hex.hpp"
 #include "canopus/text/json.hpp"
 
 namespace canopus::text {
@@ -32,7 +33,6 @@ constexpr Character first_character(std::string_view text) {
 }
 
 void write_control(std::string& out, char c) {
-  constexpr std::string_view digits = "0123456789abcdef";
   switch (c) {
     case '\b': out += "\\b"; return;
     case '\t': out += "\\t"; return;
@@ -41,10 +41,7 @@ void write_control(std::string& out, char c) {
     case '\r': out += "\\r"; return;
     default: break;
   }
-  const auto octet = static_cast<unsigned char>(c);
-  out += "\\u00";
-  out += digits[octet >> 4U];
-  out += digits[octet & 0xFU];
+  out += "\\u" + ascii::lower_hex(static_cast<unsigned char>(c), 4);
 }
 
 void write_string(std::string& out, std::string_view text) {

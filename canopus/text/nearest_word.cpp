@@ -5,12 +5,12 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/words.hpp"
+
 namespace canopus::text {
 namespace {
 
 constexpr std::size_t longest_word = 64;  // what is longer is no mistyped command
-
-char small(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 /// Letters to be inserted, deleted, replaced or exchanged with their neighbour to make one word of the other.
 std::size_t distance(std::string_view a, std::string_view b) {
@@ -22,10 +22,10 @@ std::size_t distance(std::string_view a, std::string_view b) {
   for (std::size_t i = 1; i <= a.size(); ++i) {
     row[0] = i;
     for (std::size_t j = 1; j <= b.size(); ++j) {
-      const bool same = small(a[i - 1]) == small(b[j - 1]);
+      const bool same = ascii::lower(a[i - 1]) == ascii::lower(b[j - 1]);
       row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (same ? 0 : 1)});
-      const bool exchanged =
-          i > 1 && j > 1 && small(a[i - 1]) == small(b[j - 2]) && small(a[i - 2]) == small(b[j - 1]);
+      const bool exchanged = i > 1 && j > 1 && ascii::lower(a[i - 1]) == ascii::lower(b[j - 2]) &&
+                             ascii::lower(a[i - 2]) == ascii::lower(b[j - 1]);
       if (exchanged) row[j] = std::min(row[j], before[j - 2] + 1);
     }
     std::swap(before, last);
@@ -35,8 +35,7 @@ std::size_t distance(std::string_view a, std::string_view b) {
 }
 
 bool begins(std::string_view word, std::string_view with) {
-  return word.size() >= with.size() &&
-         std::ranges::equal(word.substr(0, with.size()), with, {}, small, small);
+  return ascii::equal_ignoring_case(word.substr(0, with.size()), with);
 }
 
 }  // namespace

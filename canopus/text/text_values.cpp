@@ -6,22 +6,13 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/number.hpp"
+
 namespace canopus::text {
 namespace {
 
-template <typename Number>
-std::optional<Number> parse_number(std::string_view text, int base) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
-  if (error != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
-  return value;
-}
-
-std::optional<std::uint32_t> parse_hexadecimal(std::string_view text) {
-  if (text.starts_with("0x") || text.starts_with("0X")) text.remove_prefix(2);
-  if (text.ends_with('h') || text.ends_with('H')) text.remove_suffix(1);
-  return parse_number<std::uint32_t>(text, 16);
-}
+using ascii::parse_hexadecimal;
+using ascii::parse_number;
 
 }  // namespace
 
@@ -59,20 +50,19 @@ std::expected<can::Duration, std::string> parse_duration(std::string_view text) 
 
 std::expected<ObjectName, std::string> parse_object(std::string_view text) {
   const std::size_t colon = text.find(':');
-  const auto index = parse_hexadecimal(text.substr(0, colon));
-  const auto sub = colon == std::string_view::npos ? std::optional<std::uint32_t>(0)
-                                                   : parse_hexadecimal(text.substr(colon + 1));
-  if (!index || *index > 0xFFFF || !sub || *sub > 0xFF) {
+  const auto index = parse_hexadecimal<std::uint16_t>(text.substr(0, colon));
+  const auto sub = colon == std::string_view::npos ? std::optional<std::uint8_t>(0)
+                                                   : parse_hexadecimal<std::uint8_t>(text.substr(colon + 1));
+  if (!index || !sub) {
     return std::unexpected(fmt::format(
         "\"{}\" is not an object; expected index:sub-index in hexadecimal, for example \"6000:01\"", text));
   }
-  return ObjectName{static_cast<std::uint16_t>(*index), static_cast<std::uint8_t>(*sub)};
+  return ObjectName{*index, *sub};
 }
 
 std::expected<std::uint32_t, std::string> parse_buffer_address(std::string_view text) {
   std::optional<std::uint32_t> address;
-  if (text.starts_with('G') || text.starts_with('g'))
-    address = parse_number<std::uint32_t>(text.substr(1), 10);
+  if (text.starts_with('G') || text.starts_with('g')) address = parse_number<std::uint32_t>(text.substr(1));
   if (!address || *address > 0xFFFF) {
     return std::unexpected(fmt::format("\"{}\" is not a buffer memory address; expected G0 to G65535", text));
   }
@@ -87,7 +77,7 @@ std::expected<HostAndPort, std::string> parse_host_and_port(std::string_view tex
   const std::size_t colon = text.rfind(':');
   std::string_view host = colon == std::string_view::npos ? std::string_view{} : text.substr(0, colon);
   const std::string_view number = colon == std::string_view::npos ? text : text.substr(colon + 1);
-  const auto port = parse_number<std::uint32_t>(number, 10);
+  const auto port = parse_number<std::uint32_t>(number);
   if (!port) return refuse("is not host:port");
   if (*port > 65535) return refuse(fmt::format("has port {}, and the highest port is 65535", *port));
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);

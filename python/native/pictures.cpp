@@ -5,6 +5,10 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
+#include "canopus/cli/analysis/analysis_names.hpp"
+#include "canopus/cli/analysis/picture_signal.hpp"
+#include "canopus/cli/analysis/trace_walk.hpp"
 #include "canopus/trace/print/picture_signal.hpp"
 #include "canopus/trace/print/trace_walk.hpp"
 
@@ -33,7 +37,7 @@ trace::PictureOptions options_of(const std::vector<std::string>& signals, const 
 std::vector<std::string> texts_of(const std::vector<trace::PictureSignal>& signals) {
   std::vector<std::string> texts;
   for (const trace::PictureSignal& signal : signals)
-    texts.push_back(fmt::format("{}.{:04X}:{:02X}", signal.node, signal.index, signal.sub));
+    texts.push_back(fmt::format("{}.{}", signal.node, canopen::object_text(signal.index, signal.sub)));
   return texts;
 }
 

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
+#include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/plant/initial_nodes.hpp"
 #include "canopus/plant/plant_loading.hpp"
@@ -324,7 +326,7 @@ std::vector<ObjectView> PlantRun::object_views(const std::string& device) const 
   std::vector<ObjectView> views;
   for (const canopen::Entry& entry : plant::process_values(shown)) {
     const auto bits = shown.node().dictionary().get<std::uint64_t>(entry);
-    views.push_back({.object = plant::shown_object(entry),
+    views.push_back({.object = canopen::object_text(entry.index, entry.sub),
                      .name = std::string(shown.file().dictionary->name(entry)),
                      .type = std::string(eds::name(entry.description->type)),
                      .value = plant::show_value(entry.description->type, bits)});

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "canopus/ascii/words.hpp"
 #include "canopus/eds/files/xdd_writer.hpp"
 #include "canopus/eds/words.hpp"
 #include "canopus/eds/xdd.hpp"
@@ -189,7 +190,7 @@ class NetworkXddCorpus : public ::testing::Test {
   void SetUp() override {
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no device files in " << folder;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-      const std::string extension = eds::lower(entry.path().extension().string());
+      const std::string extension = ascii::lower(entry.path().extension().string());
       if (extension == ".eds" || extension == ".dcf" || extension == ".xdd" || extension == ".xdc")
         paths.push_back(entry.path());
     }

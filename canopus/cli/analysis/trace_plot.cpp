@@ -5,7 +5,10 @@
 #include <filesystem>
 #include <memory>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
+#include "canopus/cli/analysis/analysis_names.hpp"
 #include "canopus/cli/analysis/names_options.hpp"
+#include "canopus/cli/analysis/picture_signal.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
@@ -67,8 +70,8 @@ int plot(const PlotOptions& options) {
   if (code == 2) return code;
   if (!channels.report_missing(standard_error())) code = 1;
   for (const trace::PictureSignal& signal : picture.missing()) {
-    print_error("canopus: no PDO of node {} with {:04X}:{:02X} is in the trace", signal.node, signal.index,
-                signal.sub);
+    print_error("canopus: no PDO of node {} with {} is in the trace", signal.node,
+                canopen::object_text(signal.index, signal.sub));
   }
   const std::string title = std::filesystem::path(options.file).filename().string();
   if (const std::string reason = write_file(options.out, picture.svg(title)); !reason.empty()) {

@@ -1,7 +1,6 @@
 #include "canopus/cli/commands/bus_command.hpp"
 
-#include <charconv>
-
+#include "canopus/ascii/number.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/text/text_values.hpp"
 
@@ -51,12 +50,8 @@ int complain_of(BusLoop::End end, const BusLoop& bus, std::string_view time_over
 }
 
 unsigned parse_node(std::string_view text) {
-  const bool hexadecimal = text.starts_with("0x") || text.starts_with("0X");
-  if (hexadecimal) text.remove_prefix(2);
-  unsigned node = 0;
-  const auto [end, failure] =
-      std::from_chars(text.data(), text.data() + text.size(), node, hexadecimal ? 16 : 10);
-  return failure == std::errc{} && end == text.data() + text.size() && node <= 127 ? node : 0;
+  const unsigned node = ascii::parse_number_with_prefix<unsigned>(text).value_or(0);
+  return node <= 127 ? node : 0;
 }
 
 }  // namespace canopus::cli

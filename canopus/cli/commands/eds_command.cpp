@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/ascii/words.hpp"
 #include "canopus/cli/commands/eds_show.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/terminal/device_names.hpp"
@@ -146,9 +147,9 @@ int eds_check(const EdsCheckOptions& options, Output& out, Output& err) {
 
 int eds_convert(const EdsConvertOptions& options, Output& out, Output& err) {
   const std::string extension = std::filesystem::path(options.to).extension().string();
-  const std::string kind = eds::lower(!options.kind.empty() ? options.kind
-                                      : extension.empty()   ? extension
-                                                            : extension.substr(1));
+  const std::string kind = ascii::lower(!options.kind.empty() ? options.kind
+                                        : extension.empty()   ? extension
+                                                              : extension.substr(1));
   const bool is_xdd = kind == "xdd" || kind == "xdc";
   if (!is_xdd && kind != "eds" && kind != "dcf") {
     err.line("canopus: {}: what shall it be? expected a name that ends in .eds, .dcf, .xdd or .xdc, or --to",

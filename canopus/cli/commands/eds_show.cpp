@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/eds/value.hpp"
 #include "canopus/eds/words.hpp"
@@ -215,7 +216,7 @@ void Sheet::print(Output& out) const {
   out.line("");
   out.line("{:<10} {:<14} {:<6} {:<14} {:<9} {}", "object", "type", "access", "default", "PDO", "name");
   for (const Row& row : rows()) {
-    std::string object = plant::shown_object(row.entry);
+    std::string object = canopen::object_text(row.entry.index, row.entry.sub);
     if (row.last != row.entry.sub) object += fmt::format("-{:02X}", row.last);
     std::string value = text::printable(default_text(row.entry));
     if (text::columns_of(value) > 14) value = std::string(text::clipped(value, 12)) + "..";
@@ -231,7 +232,8 @@ void Sheet::print(Output& out) const {
     out.line("{} {}{}{}", pdo.name, cob_id_text(pdo.cob_id), pdo.type ? ", " : "", type_text(pdo));
     if (pdo.mapped.empty()) out.line("  nothing mapped");
     for (const Mapped& mapped : pdo.mapped) {
-      print_cut(out, fmt::format("  {:04X}:{:02X} {:>3} bit  ", mapped.index, mapped.sub, mapped.bits),
+      print_cut(out,
+                fmt::format("  {} {:>3} bit  ", canopen::object_text(mapped.index, mapped.sub), mapped.bits),
                 mapped_name(mapped));
     }
   }
@@ -255,7 +257,7 @@ Json Sheet::json() const {
   sheet["objects"] = Json::array();
   for (const Row& row : rows()) {
     const canopen::EntryDescription& entry = *row.entry.description;
-    Json object{{"object", plant::shown_object(row.entry)},
+    Json object{{"object", canopen::object_text(row.entry.index, row.entry.sub)},
                 {"name", dictionary_.name(row.entry)},
                 {"type", eds::name(entry.type)},
                 {"access", eds::name(entry.access)},
@@ -286,7 +288,7 @@ Json Sheet::json() const {
     if (pdo.event_timer != 0) shown["event_timer"] = pdo.event_timer;
     shown["mapping"] = Json::array();
     for (const Mapped& mapped : pdo.mapped) {
-      shown["mapping"].push_back({{"object", fmt::format("{:04X}:{:02X}", mapped.index, mapped.sub)},
+      shown["mapping"].push_back({{"object", canopen::object_text(mapped.index, mapped.sub)},
                                   {"bits", mapped.bits},
                                   {"name", mapped_name(mapped)}});
     }

@@ -1,11 +1,12 @@
 #include "canopus/cli/commands/module_words.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/text/nearest_word.hpp"
 
 namespace canopus::cli {
@@ -16,10 +17,8 @@ namespace {
 std::string as_written(std::string_view name) {
   std::string text;
   for (const char c : name) {
-    const bool is_capital = c >= 'A' && c <= 'Z';
-    const bool is_plain = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
-    if (is_capital || is_plain) {
-      text += is_capital ? static_cast<char>(c - 'A' + 'a') : c;
+    if (ascii::is_letter(c) || ascii::is_digit(c)) {
+      text += ascii::lower(c);
     } else if (!text.empty() && text.back() != '_') {
       text += '_';
     }
@@ -37,11 +36,10 @@ std::optional<Wanted> parse(std::string_view text) {
   Wanted wanted{.name = as_written(text.substr(0, text.find('['))), .index = 0};
   const std::size_t bracket = text.find('[');
   if (bracket == std::string_view::npos) return wanted;
-  const char* const begin = text.data() + bracket + 1;
-  const char* const end = text.data() + text.size() - 1;
   if (!text.ends_with(']')) return std::nullopt;
-  const auto [stop, error] = std::from_chars(begin, end, wanted.index);
-  if (begin == end || error != std::errc{} || stop != end) return std::nullopt;
+  const auto index = ascii::parse_number<std::uint32_t>(text.substr(bracket + 1, text.size() - bracket - 2));
+  if (!index) return std::nullopt;
+  wanted.index = *index;
   return wanted;
 }
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
@@ -77,8 +78,9 @@ std::expected<void, std::string> send_command(BusLoop& bus, const Service& servi
   const std::uint8_t sub = node == 0 ? request_for_all : node;
   const auto written = sdo.write({.index = request_nmt, .sub = sub}, std::array{service.request});
   if (written) return {};
-  return std::unexpected(fmt::format("master {} did not take {:02X}H for {:04X}:{:02X} (request NMT): {}",
-                                     master, service.request, request_nmt, sub, written.error().reason));
+  return std::unexpected(fmt::format("master {} did not take {:02X}H for {} (request NMT): {}", master,
+                                     service.request, canopen::object_text(request_nmt, sub),
+                                     written.error().reason));
 }
 
 int command_node(const NmtArguments& arguments, const Service& service) {

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
@@ -46,9 +47,7 @@ struct Target {
   std::optional<canopen::DataType> type;
   std::shared_ptr<const eds::DeviceFile> device;  ///< of names; null: none was given
 
-  [[nodiscard]] std::string object_text() const {
-    return fmt::format("{:04X}:{:02X}", object.index, object.sub);
-  }
+  [[nodiscard]] std::string object_text() const { return canopen::object_text(object.index, object.sub); }
 };
 
 std::expected<Target, std::string> target_of(const SdoArguments& arguments) {

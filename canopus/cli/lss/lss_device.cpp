@@ -1,10 +1,10 @@
 #include "canopus/cli/lss/lss_device.hpp"
 
-#include <charconv>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/number.hpp"
 #include "canopus/can/little_endian.hpp"
 #include "canopus/client/sdo_value.hpp"
 
@@ -72,12 +72,8 @@ std::expected<std::uint32_t, std::string> parse_lss_bit_rate(std::string_view te
     factor = digits.back() == 'k' ? 1000 : 1'000'000;
     digits.remove_suffix(1);
   }
-  std::uint32_t value = 0;
-  const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (failure == std::errc{} && end == digits.data() + digits.size() && value <= 1'000'000 / factor &&
-      lss::bit_rate_index(value * factor)) {
-    return value * factor;
-  }
+  const auto value = ascii::parse_number<std::uint32_t>(digits);
+  if (value && *value <= 1'000'000 / factor && lss::bit_rate_index(*value * factor)) return *value * factor;
   return std::unexpected(fmt::format(
       "\"{}\" is not a bit rate of LSS; expected 1M, 800k, 500k, 250k, 125k, 50k, 20k or 10k", text));
 }

@@ -1,8 +1,8 @@
 #include "canopus/cli/module_settings/configure_command.hpp"
 
-#include <charconv>
 #include <memory>
 
+#include "canopus/ascii/number.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/print.hpp"
@@ -273,10 +273,8 @@ int configure_failed(int code, const std::string& message) {
 
 std::expected<module_settings::PdoRange, std::string> parse_area(const std::string& text, unsigned most) {
   if (text == "all") return module_settings::PdoRange{1, most};
-  const auto number = [&](std::string_view digits) -> std::uint32_t {
-    std::uint32_t value = 0;
-    const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    return failure == std::errc{} && end == digits.data() + digits.size() ? value : 0;
+  const auto number = [](std::string_view digits) {
+    return ascii::parse_number<std::uint32_t>(digits).value_or(0);
   };
   const std::size_t dash = text.find('-');
   const std::uint32_t first = number(std::string_view(text).substr(0, dash));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/cli/module_settings/configure_command.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/module_settings/mappable_objects.hpp"
@@ -101,7 +102,7 @@ int list_mappable_objects(const ConfigureArguments& arguments) {
         if (arguments.json) {
           json["objects"].push_back(DescriptionJson::array({index, sub, description}));
         } else {
-          print_line("{} {:04X}:{:02X}:{} {}{}{}", window.word, index, sub, named.bits, named.name,
+          print_line("{} {}:{} {}{}{}", window.word, canopen::object_text(index, sub), named.bits, named.name,
                      description.empty() ? "" : ", ", description);
         }
       }

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/cli/module_settings/configure_command.hpp"
 #include "canopus/cli/module_settings/project_access.hpp"
 #include "canopus/cli/module_settings/project_files.hpp"
@@ -93,7 +94,7 @@ std::expected<std::vector<std::uint32_t>, std::string> parse_mapping(std::string
 
 std::string described(const ModuleProject& project, std::uint32_t entry) {
   const std::string name = project.tool().object_name(entry);
-  return fmt::format("{:04X}:{:02X}:{} {}", entry >> 16, entry >> 8 & 0xFF, entry & 0xFF,
+  return fmt::format("{}:{} {}", canopen::object_text(entry >> 16, entry >> 8 & 0xFF), entry & 0xFF,
                      name.empty() ? "?" : name);
 }
 

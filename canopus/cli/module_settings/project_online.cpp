@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstring>
 #include <functional>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/ascii/number.hpp"
 #include "canopus/cli/module_settings/configure_command.hpp"
 #include "canopus/cli/module_settings/project_access.hpp"
 #include "canopus/cli/module_settings/project_files.hpp"
@@ -76,26 +76,18 @@ std::expected<std::vector<std::uint8_t>, std::string> data_of(const std::string&
                                                               std::string_view length) {
   const auto found = std::ranges::find(lengths, length, &DataLength::name);
   if (found->bytes == 0) return std::vector<std::uint8_t>(text.begin(), text.end());
-  const bool hexadecimal = text.starts_with("0x") || text.starts_with("0X");
-  const char* const begin = text.data() + (hexadecimal ? 2 : 0);
-  const char* const end = text.data() + text.size();
-  std::uint64_t value = 0;
-  std::int64_t negative = 0;
-  auto [stop, failure] = std::from_chars(begin, end, value, hexadecimal ? 16 : 10);
-  if (text.starts_with('-')) {
-    const auto parsed = std::from_chars(begin, end, negative);
-    stop = parsed.ptr, failure = parsed.ec;
-    value = static_cast<std::uint64_t>(negative);
-  }
+  const auto negative = text.starts_with('-') ? ascii::parse_number<std::int64_t>(text) : std::nullopt;
+  const auto value = negative ? std::optional(static_cast<std::uint64_t>(*negative))
+                              : ascii::parse_number_with_prefix<std::uint64_t>(text);
   const unsigned unused = 64 - 8 * static_cast<unsigned>(found->bytes);
-  const bool fits = text.starts_with('-') ? (negative << unused >> unused) == negative
-                                          : (value << unused >> unused) == value;
-  if (failure != std::errc{} || stop != end || !fits) {
+  const bool fits = negative ? (*negative << unused >> unused) == *negative
+                             : value && (*value << unused >> unused) == *value;
+  if (!fits) {
     return std::unexpected(
         fmt::format("\"{}\" is no number of {} bytes; hexadecimal ones begin with 0x", text, found->bytes));
   }
   std::vector<std::uint8_t> bytes;
-  for (std::size_t i = 0; i < found->bytes; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * i));
+  for (std::size_t i = 0; i < found->bytes; ++i) bytes.push_back(static_cast<std::uint8_t>(*value >> 8 * i));
   return bytes;
 }
 

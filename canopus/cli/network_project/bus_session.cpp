@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/sdo_value.hpp"
@@ -60,9 +61,7 @@ bool is_asked_alone(const ComparedValue& value) {
   return std::ranges::all_of(value.wanted, [](std::uint8_t byte) { return byte == 0; });
 }
 
-std::string object_text(text::ObjectName object) {
-  return fmt::format("{:04X}:{:02X}", object.index, object.sub);
-}
+std::string object_text(text::ObjectName object) { return canopen::object_text(object.index, object.sub); }
 
 std::string title_of(const ProjectNode& node, text::ObjectName object) {
   const canopen::Entry entry = node.device->dictionary->find(object.index, object.sub);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/cli/network_project/bus_objects.hpp"
 #include "canopus/cli/network_project/project_command.hpp"
@@ -41,7 +42,7 @@ void tell_accepted(const ProjectArguments& arguments, const NetworkProject& proj
   const ProjectNode& node = *project.find(value.node_id);
   const canopen::Entry entry = node.device->dictionary->find(value.index, value.sub);
   const std::string title = network_project::object_title(*node.device, entry);
-  const std::string object = fmt::format("{:04X}:{:02X}", value.index, value.sub);
+  const std::string object = canopen::object_text(value.index, value.sub);
   if (arguments.bus.json) {
     return print_json(Json{{"node", node.id()},
                            {"object", object},

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/cli/network_project/project_command.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/cli/terminal/print.hpp"
@@ -73,7 +74,7 @@ std::string_view state_of(const DcfDifference& one) {
 }
 
 void tell(const ProjectArguments& arguments, const DcfDifference& one) {
-  const std::string object = fmt::format("{:04X}:{:02X}", one.index, one.sub);
+  const std::string object = canopen::object_text(one.index, one.sub);
   if (arguments.bus.json) {
     Json row{{"object", object}, {"name", one.name}, {"state", state_of(one)}};
     if (one.project) row["project"] = *one.project;
@@ -169,8 +170,9 @@ int load_dcf(const ProjectArguments& arguments) {
           const auto done = one.dcf ? project.set_value(id, one.index, one.sub, *one.dcf)
                                     : project.remove_value(id, one.index, one.sub);
           if (!done) {
-            return project_failed(project_code::refused, fmt::format("{}: {:04X}:{:02X}: {}", shown,
-                                                                     one.index, one.sub, done.error()));
+            return project_failed(
+                project_code::refused,
+                fmt::format("{}: {}: {}", shown, canopen::object_text(one.index, one.sub), done.error()));
           }
         }
         return project_code::done;

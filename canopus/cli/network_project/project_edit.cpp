@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/words.hpp"
 #include "canopus/cli/network_project/project_command.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/cli/terminal/print.hpp"
@@ -37,10 +38,9 @@ std::expected<Setting, std::string> parse_setting(const std::string& text) {
   if (equals == std::string::npos || equals == 0) {
     return std::unexpected(fmt::format("\"{}\": expected OBJECT=VALUE, for example 1017=500", text));
   }
+  // A tabulator may be part of a text.
   const auto trimmed = [](std::string_view piece) {
-    while (piece.starts_with(' ')) piece.remove_prefix(1);
-    while (piece.ends_with(' ')) piece.remove_suffix(1);
-    return std::string(piece);
+    return std::string(ascii::trim(piece, [](char c) { return c == ' '; }));
   };
   return Setting{trimmed(std::string_view(text).substr(0, equals)),
                  trimmed(std::string_view(text).substr(equals + 1))};

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "canopus/eds/words.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/store/inner_path.hpp"
 
 namespace canopus::cli {
@@ -13,7 +13,7 @@ std::expected<ProjectFolder, std::string> ProjectFolder::open(const std::string&
   std::error_code error;
   fs::path folder = path;
   std::string list = "nodelist.cpj";
-  if (eds::lower(folder.extension().string()) == ".cpj" && !fs::is_directory(folder, error)) {
+  if (ascii::lower(folder.extension().string()) == ".cpj" && !fs::is_directory(folder, error)) {
     list = folder.filename().string();
     folder = folder.parent_path();
   }

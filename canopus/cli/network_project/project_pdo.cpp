@@ -5,10 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/words.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/cli/network_project/project_command.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/eds/number.hpp"
-#include "canopus/eds/words.hpp"
 #include "canopus/network_project/pdo_link.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"
@@ -24,7 +25,7 @@ using Json = text::Json;
 /// "tpdo1", "RPDO3"; nothing: the node has none of that name.
 const Pdo* find_pdo(const ProjectNode& node, std::string_view name) {
   const auto found = std::ranges::find_if(
-      node.pdos, [&](const Pdo& pdo) { return eds::lower(pdo.name()) == eds::lower(name); });
+      node.pdos, [&](const Pdo& pdo) { return ascii::equal_ignoring_case(pdo.name(), name); });
   return found == node.pdos.end() ? nullptr : &*found;
 }
 
@@ -49,7 +50,7 @@ Json pdo_json(const ProjectNode& node, const Pdo& pdo,
   for (const network_project::MappedObject& object : pdo.mapping) {
     Json mapped{{"bit", bit}, {"bits", object.bits}};
     if (!object.is_dummy()) {
-      mapped["object"] = fmt::format("{:04X}:{:02X}", object.index, object.sub);
+      mapped["object"] = canopen::object_text(object.index, object.sub);
       mapped["name"] = title_of(node, object.index, object.sub);
     }
     for (const network_project::SignalLink& link : links) {
@@ -59,7 +60,7 @@ Json pdo_json(const ProjectNode& node, const Pdo& pdo,
                          link.first_bit == bit;
       if (!is_it) continue;
       mapped[pdo.transmit ? "to" : "from"].push_back(
-          Json{{"node", other.node_id}, {"object", fmt::format("{:04X}:{:02X}", other.index, other.sub)}});
+          Json{{"node", other.node_id}, {"object", canopen::object_text(other.index, other.sub)}});
     }
     bit += object.bits;
     json["mapping"].push_back(std::move(mapped));

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/cli/network_project/network_check.hpp"
 #include "canopus/cli/network_project/project_command.hpp"
 #include "canopus/cli/terminal/print.hpp"
@@ -139,7 +140,7 @@ int show_node(const ProjectArguments& arguments, const NetworkProject& project, 
     const std::string title = network_project::object_title(*node.device, entry);
     if (json) {
       Json line{{"node", node.id()},
-                {"object", fmt::format("{:04X}:{:02X}", entry.index, entry.sub)},
+                {"object", canopen::object_text(entry.index, entry.sub)},
                 {"name", title},
                 {"type", eds::name(type)},
                 {"access", eds::name(entry.description->access)}};
@@ -149,7 +150,8 @@ int show_node(const ProjectArguments& arguments, const NetworkProject& project, 
     }
     const auto value =
         bytes ? client::show_value(*bytes, type) : std::expected<std::string, std::string>("-");
-    print_line("  {:04X}:{:02X}  {:<24}  {}", entry.index, entry.sub, value ? *value : value.error(), title);
+    print_line("  {}  {:<24}  {}", canopen::object_text(entry.index, entry.sub),
+               value ? *value : value.error(), title);
   });
   return project_code::done;
 }

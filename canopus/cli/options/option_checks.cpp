@@ -1,11 +1,11 @@
 #include "canopus/cli/options/option_checks.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/number.hpp"
 #include "canopus/text/nearest_word.hpp"
 
 namespace canopus::cli {
@@ -24,10 +24,8 @@ OptionCheck check_of(Choices choices) {
 
 OptionCheck number_from(std::uint64_t least, std::uint64_t most) {
   return [least, most](const std::string& text) {
-    std::uint64_t value = 0;
-    const char* const end = text.data() + text.size();
-    const auto [stop, failure] = std::from_chars(text.data(), end, value);
-    const bool good = failure == std::errc{} && stop == end && value >= least && value <= most;
+    const auto value = ascii::parse_number<std::uint64_t>(text);
+    const bool good = value && *value >= least && *value <= most;
     return good ? std::string() : fmt::format("\"{}\" is not a number from {} to {}", text, least, most);
   };
 }

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include "canopus/eds/words.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/text/file_text.hpp"
 
 namespace canopus::cli {
 
 bool is_device_file(const std::filesystem::path& path) {
-  const std::string extension = eds::lower(path.extension().string());
+  const std::string extension = ascii::lower(path.extension().string());
   return extension == ".eds" || extension == ".dcf" || extension == ".xdd" || extension == ".xdc";
 }
 

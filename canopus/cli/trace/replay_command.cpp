@@ -1,12 +1,12 @@
 #include "canopus/cli/trace/replay_command.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <memory>
 
 #include <unistd.h>
 
+#include "canopus/ascii/number.hpp"
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
@@ -40,9 +40,9 @@ std::optional<IdentifierRange> parse_range(std::string_view text) {
   if (range.extended) text.remove_suffix(1);
   const std::size_t dash = text.find('-');
   const auto number = [&](std::string_view word, std::uint32_t& value) {
-    const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value, 16);
-    return failure == std::errc{} && end == word.data() + word.size() &&
-           value <= (range.extended ? can::max_extended_identifier : can::max_base_identifier);
+    const auto read = ascii::parse_number<std::uint32_t>(word, 16);
+    value = read.value_or(0);
+    return read && value <= (range.extended ? can::max_extended_identifier : can::max_base_identifier);
   };
   if (!number(text.substr(0, dash), range.first)) return std::nullopt;
   range.last = range.first;
@@ -123,12 +123,8 @@ std::expected<Choice, std::string> choice_of(const ReplayOptions& options) {
 /// 0 for max; nothing if it is no speed.
 std::optional<double> parse_speed(std::string_view text) {
   if (text == "max") return 0;
-  double speed = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), speed);
-  if (failure != std::errc{} || end != text.data() + text.size() || !(speed >= 0.001 && speed <= 1e6)) {
-    return std::nullopt;
-  }
-  return speed;
+  const auto speed = ascii::parse_number<double>(text);
+  return speed && *speed >= 0.001 && *speed <= 1e6 ? speed : std::nullopt;
 }
 
 /// A bus that takes nothing for so long is not waited for any more.

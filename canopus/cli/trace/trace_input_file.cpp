@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/hex.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/trace/print/silent_pipe.hpp"
@@ -55,7 +56,7 @@ std::string frame_text(std::string_view channel, const trace::TraceRecord& recor
   std::string text = fmt::format("{}  {:0{}X}   [{}]", channel, frame.identifier, wide ? 8 : 3, frame.dlc);
   if (record.error_frame) text += "  error frame";
   if (frame.remote) text += "  remote request";
-  for (const std::uint8_t byte : frame.bytes()) text += fmt::format(" {:02X}", byte);
+  if (!frame.bytes().empty()) text += ' ' + ascii::hex_bytes(frame.bytes(), " ");
   return text;
 }
 

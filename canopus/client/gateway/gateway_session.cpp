@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/words.hpp"
+
 namespace canopus::client {
 
 using canopen::AbortCode;
@@ -14,11 +16,6 @@ namespace {
 
 constexpr std::uint64_t longest_time = 24 * 3600 * 1000;  // ms
 constexpr std::uint64_t longest_sdo_time_out = 65535;     // ms
-
-bool same(std::string_view word, std::string_view lower) {
-  return std::ranges::equal(word, lower,
-                            [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
-}
 
 /// `short` or any further part of `whole`.
 bool is_word(std::string_view word, std::string_view shortest, std::string_view whole) {
@@ -148,9 +145,10 @@ void GatewaySession::command(Words& words, can::Time now) {
   if (name == "set") return set(words, now);
   if (name == "boot_up_indication") {
     const std::string_view what = words.take();
-    if (!words.over() || !(same(what, "enable") || same(what, "disable")))
+    if (!words.over() ||
+        !(ascii::equal_ignoring_case(what, "enable") || ascii::equal_ignoring_case(what, "disable")))
       return answer(GatewayError::syntax);
-    boot_up_ = same(what, "enable");
+    boot_up_ = ascii::equal_ignoring_case(what, "enable");
     return answer(GatewayError::none);
   }
   if (name == "info") {

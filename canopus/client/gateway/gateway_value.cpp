@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/text/base64.hpp"
 
 namespace canopus::client {
@@ -15,13 +17,8 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 using Kind = GatewayType::Kind;
 
-bool is_blank(char c) { return c == ' ' || c == '\t'; }
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
+using ascii::is_blank;
+using ascii::trim;
 
 Bytes little_endian(std::uint64_t value, std::size_t size) {
   Bytes bytes(size);
@@ -53,12 +50,11 @@ std::optional<Bytes> encode_number(std::string_view text, GatewayType type) {
 }
 
 std::optional<Bytes> encode_real(std::string_view text, unsigned bits) {
-  double value = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  if (bits == 64) return little_endian(std::bit_cast<std::uint64_t>(value), 8);
-  const auto narrow = static_cast<float>(value);
-  if (std::isinf(narrow) && !std::isinf(value)) return std::nullopt;
+  const auto value = ascii::parse_number<double>(text);
+  if (!value) return std::nullopt;
+  if (bits == 64) return little_endian(std::bit_cast<std::uint64_t>(*value), 8);
+  const auto narrow = static_cast<float>(*value);
+  if (std::isinf(narrow) && !std::isinf(*value)) return std::nullopt;
   return little_endian(std::bit_cast<std::uint32_t>(narrow), 4);
 }
 
@@ -66,7 +62,7 @@ std::optional<Bytes> encode_real(std::string_view text, unsigned bits) {
 std::optional<Bytes> encode_time(std::string_view text) {
   const auto days = gateway_number(take_gateway_word(text));
   const auto milliseconds = gateway_number(take_gateway_word(text));
-  if (!days || !milliseconds || *days > 0xFFFF || *milliseconds > 0x0FFF'FFFF || !trimmed(text).empty()) {
+  if (!days || !milliseconds || *days > 0xFFFF || *milliseconds > 0x0FFF'FFFF || !trim(text).empty()) {
     return std::nullopt;
   }
   return little_endian(*milliseconds | *days << 32, 6);
@@ -97,13 +93,11 @@ std::optional<Bytes> encode_text(std::string_view text) {
 std::optional<Bytes> encode_hexadecimal(std::string_view text) {
   Bytes bytes;
   while (true) {
-    text = trimmed(text);
+    text = trim(text);
     if (text.empty()) return bytes;
-    std::uint8_t byte = 0;
-    const auto [end, failure] =
-        std::from_chars(text.data(), text.data() + std::min<std::size_t>(2, text.size()), byte, 16);
-    if (failure != std::errc{} || end != text.data() + 2) return std::nullopt;
-    bytes.push_back(byte);
+    const auto byte = ascii::byte_of_hex(text.substr(0, 2));
+    if (!byte) return std::nullopt;
+    bytes.push_back(*byte);
     text.remove_prefix(2);
   }
 }
@@ -169,16 +163,13 @@ std::string_view take_gateway_word(std::string_view& line) noexcept {
 
 std::optional<std::uint64_t> gateway_number(std::string_view word) noexcept {
   int base = 10;
-  if (word.starts_with("0x") || word.starts_with("0X")) {
+  if (ascii::has_hex_prefix(word)) {
     base = 16;
     word.remove_prefix(2);
   } else if (word.size() > 1 && word.starts_with('0')) {
     base = 8;
   }
-  std::uint64_t value = 0;
-  const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value, base);
-  if (failure != std::errc{} || end != word.data() + word.size()) return std::nullopt;
-  return value;
+  return ascii::parse_number<std::uint64_t>(word, base);
 }
 
 std::optional<GatewayType> parse_gateway_type(std::string_view name) noexcept {
@@ -202,7 +193,7 @@ std::optional<GatewayType> parse_gateway_type(std::string_view name) noexcept {
 }
 
 std::optional<Bytes> encode_gateway_value(std::string_view text, GatewayType type) {
-  text = trimmed(text);
+  text = trim(text);
   switch (type.kind) {
     case Kind::boolean:
     case Kind::integer:
@@ -233,9 +224,7 @@ std::optional<std::string> show_gateway_value(std::span<const std::uint8_t> byte
     case Kind::base64: return text::to_base64(bytes);
     case Kind::bytes: break;
   }
-  std::string text;
-  for (const std::uint8_t byte : bytes) text += fmt::format("{}{:02X}", text.empty() ? "" : " ", byte);
-  return text;
+  return ascii::hex_bytes(bytes, " ");
 }
 
 }  // namespace canopus::client

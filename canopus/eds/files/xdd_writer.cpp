@@ -1,10 +1,12 @@
 #include "canopus/eds/files/xdd_writer.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <utility>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/eds/problems.hpp"
 #include "canopus/eds/value.hpp"
 #include "canopus/eds/words.hpp"
@@ -19,13 +21,6 @@ using canopen::ObjectDescription;
 
 constexpr std::uint16_t first_index = 0x1000;  // below are data types
 constexpr std::string_view unknown_date = "1970-01-01";
-
-std::string padded_hex(unsigned value, int digits) {
-  std::string text;
-  for (; value != 0 || digits > 0; value >>= 4, --digits)
-    text.insert(text.begin(), "0123456789ABCDEF"[value & 0xF]);
-  return text;
-}
 
 std::string_view access_word(Access access) {
   switch (access) {
@@ -47,12 +42,8 @@ std::string_view mapping_word(const canopen::EntryDescription& entry) {
 }
 
 std::optional<unsigned> digits_in(std::string_view text, std::size_t place, std::size_t length) {
-  unsigned value = 0;
   if (text.size() < place + length) return std::nullopt;
-  const char* const begin = text.data() + place;
-  const auto [end, failure] = std::from_chars(begin, begin + length, value);
-  if (failure != std::errc{} || end != begin + length) return std::nullopt;
-  return value;
+  return ascii::parse_number<unsigned>(text.substr(place, length));
 }
 
 class XddWriter {
@@ -168,7 +159,7 @@ class XddWriter {
     const DeviceInfo& device = file_.device;
     const Identity identity = eds::identity(file_);
     const auto number = [](std::optional<std::uint32_t> given, std::optional<std::uint32_t> of_1018) {
-      return "0x" + padded_hex(given ? *given : of_1018.value_or(0), 8);
+      return "0x" + ascii::hex(given ? *given : of_1018.value_or(0), 8);
     };
     open_profile("CANopen device profile", "Device", "ProfileBody_Device_CANopen");
     open("DeviceIdentity");
@@ -214,7 +205,7 @@ class XddWriter {
     for (unsigned type = 1; type < 32; ++type) {
       const bool is_usable = (file_.dummy_usage >> type & 1U) != 0;
       if (!is_usable && type > 7) continue;
-      empty("dummy", {{"entry", "Dummy" + padded_hex(type, 4) + (is_usable ? "=1" : "=0")}});
+      empty("dummy", {{"entry", "Dummy" + ascii::hex(type, 4) + (is_usable ? "=1" : "=0")}});
     }
     close("dummyUsage");
     close("ApplicationLayers");
@@ -260,7 +251,7 @@ class XddWriter {
   }
 
   void write_object(const ObjectDescription& object) {
-    Attributes attributes = {{"index", padded_hex(object.index, 4)},
+    Attributes attributes = {{"index", ascii::hex(object.index, 4)},
                              {"name", std::string(dictionary_.name(object))},
                              {"objectType", std::to_string(static_cast<unsigned>(object.code))}};
     place_ = object_name(object.index);
@@ -279,7 +270,7 @@ class XddWriter {
     open("CANopenObject", attributes);
     for (const Entry& entry : entries) {
       place_ = object_name(entry.index, entry.sub);
-      attributes = {{"subIndex", padded_hex(entry.sub, 2)},
+      attributes = {{"subIndex", ascii::hex(entry.sub, 2)},
                     {"name", std::string(dictionary_.name(entry))},
                     {"objectType", "7"}};
       add_entry(attributes, entry);
@@ -292,7 +283,7 @@ class XddWriter {
   void add_entry(Attributes& attributes, const Entry& entry) {
     const canopen::EntryDescription& what = *entry.description;
     const EntryFacts* facts = file_.find_facts(entry.index, entry.sub);
-    attributes.push_back({"dataType", padded_hex(static_cast<unsigned>(what.type), 4)});
+    attributes.push_back({"dataType", ascii::hex(static_cast<unsigned>(what.type), 4)});
     const canopen::Limits& limits = dictionary_.limits(entry);
     if (limits.low) attributes.push_back({"lowLimit", limit_text(what.type, *limits.low)});
     if (limits.high) attributes.push_back({"highLimit", limit_text(what.type, *limits.high)});
@@ -313,7 +304,7 @@ class XddWriter {
     if (is_configured) add("actualValue", value.value_or(""));
     attributes.push_back({"PDOmapping", std::string(mapping_word(what))});
     if (facts == nullptr) return;
-    if (facts->object_flags != 0) add("objFlags", padded_hex(facts->object_flags, 4));
+    if (facts->object_flags != 0) add("objFlags", ascii::hex(facts->object_flags, 4));
     add("denotation", facts->denotation);
     if (!facts->upload_file.empty() || !facts->download_file.empty()) {
       warn(place_ + ": the names of its files have no place in an XDD: left out");
@@ -324,7 +315,7 @@ class XddWriter {
     const auto of_1018 = identity(file_).revision;
     const auto revision = file_.device.revision_number;
     if (revision && *revision != of_1018.value_or(0)) {
-      warn("RevisionNumber=0x" + padded_hex(*revision, 8) +
+      warn("RevisionNumber=0x" + ascii::hex(*revision, 8) +
            " has no place in an XDD: 1018H:03 has the revision");
     }
     if (!file_.comments.empty()) warn("the comments have no place in an XDD: left out");
@@ -359,7 +350,7 @@ std::string xdd_date(std::string_view date) {
 std::string xdd_time(std::string_view time) {
   const auto hour = digits_in(time, 0, 2);
   const auto minute = digits_in(time, 3, 2);
-  const std::string half = lower(time.substr(std::min<std::size_t>(5, time.size())));
+  const std::string half = ascii::lower(time.substr(std::min<std::size_t>(5, time.size())));
   if (!hour || !minute || time[2] != ':' || *hour > 12 || *minute > 59 || (half != "am" && half != "pm"))
     return {};
   const unsigned shown = *hour % 12 + (half == "pm" ? 12 : 0);

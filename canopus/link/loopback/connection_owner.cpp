@@ -1,8 +1,6 @@
 #include "canopus/link/loopback/connection_owner.hpp"
 
-#include <algorithm>
 #include <bit>
-#include <charconv>
 #include <fstream>
 #include <iterator>
 #include <ranges>
@@ -10,6 +8,9 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
+
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 
 namespace canopus::link {
 
@@ -26,10 +27,8 @@ std::string in_table(const Endpoint& endpoint) {
 /// The word of this number of a line, from 0.
 std::string_view word(std::string_view line, unsigned number) {
   for (;; --number) {
-    line.remove_prefix(std::min(line.find_first_not_of(' '), line.size()));
-    const std::string_view found = line.substr(0, line.find(' '));
+    const std::string_view found = ascii::take_word(line);
     if (number == 0 || found.empty()) return found;
-    line.remove_prefix(found.size());
   }
 }
 
@@ -46,10 +45,8 @@ std::optional<std::uint32_t> owner_in_table(std::string_view table, const Endpoi
   for (const auto part : std::views::split(table, '\n')) {
     const std::string_view line(part.begin(), part.end());
     if (word(line, local_word) != from || word(line, remote_word) != to) continue;
-    const std::string_view owner = word(line, owner_word);
-    std::uint32_t user = 0;
-    const auto [end, error] = std::from_chars(owner.data(), owner.data() + owner.size(), user);
-    if (error == std::errc() && end == owner.data() + owner.size()) return user;
+    const auto user = ascii::parse_number<std::uint32_t>(word(line, owner_word));
+    if (user) return user;
   }
   return std::nullopt;
 }

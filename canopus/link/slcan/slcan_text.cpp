@@ -2,27 +2,24 @@
 
 #include <algorithm>
 
+#include "canopus/ascii/hex.hpp"
+
 namespace canopus::link {
 namespace {
 
-constexpr char hex_digits[] = "0123456789ABCDEF";
 constexpr std::uint32_t standard_rates[] = {10'000,  20'000,  50'000,  100'000,  125'000,
                                             250'000, 500'000, 800'000, 1'000'000};
 
-char* write_hex(char* p, std::uint32_t value, int digits) noexcept {
-  for (int digit = digits - 1; digit >= 0; --digit) *p++ = hex_digits[value >> (4 * digit) & 0xFU];
-  return p;
-}
+using ascii::write_hex;
 
 /// Takes hexadecimal digits off the front.
 std::optional<std::uint32_t> take_hex(std::string_view& text, std::size_t digits) noexcept {
   if (text.size() < digits) return std::nullopt;
   std::uint32_t value = 0;
   for (const char c : text.substr(0, digits)) {
-    const char upper = c >= 'a' && c <= 'f' ? static_cast<char>(c - 'a' + 'A') : c;
-    const auto* place = std::find(hex_digits, hex_digits + 16, upper);
-    if (place == hex_digits + 16) return std::nullopt;
-    value = value << 4 | static_cast<std::uint32_t>(place - hex_digits);
+    const auto digit = ascii::hex_value(c);
+    if (!digit) return std::nullopt;
+    value = value << 4 | *digit;
   }
   text.remove_prefix(digits);
   return value;

@@ -3,6 +3,9 @@
 #include <array>
 #include <cstdio>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
+
 namespace canopus::manager {
 
 std::string_view describe(BootError error) noexcept {
@@ -75,17 +78,9 @@ const BootStepFacts& facts(BootStep step) noexcept { return steps[static_cast<st
 
 namespace {
 
-std::string hex(std::uint32_t value, int digits) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%0*XH", digits, static_cast<unsigned>(value));
-  return text;
-}
+std::string hex(std::uint32_t value, int digits) { return ascii::hex(value, digits) + 'H'; }
 
-std::string object(const BootRecord& record) {
-  std::string text = hex(record.index, 4) + ":" + hex(record.sub, 2);
-  text.pop_back();  // 1018H:01, without a second H
-  return text;
-}
+std::string object(const BootRecord& record) { return canopen::object_name(record.index, record.sub); }
 
 std::string comparison(const BootRecord& record) {
   return object(record) + " reads " + hex(record.received, 8) + ", expected " + hex(record.expected, 8) + ".";

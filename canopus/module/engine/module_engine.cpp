@@ -3,10 +3,10 @@
 #include "canopus/module/engine/module_engine.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <string>
 #include <utility>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/canopen/service/frame_of.hpp"
 #include "canopus/manager/boot/start_up_bits.hpp"
@@ -218,13 +218,10 @@ void ModuleEngine::end_due_initialization(can::Time now) {
 bool ModuleEngine::configuration_is_faulty(can::Time now) {
   const auto faulty = parts_.settings.faulty_mapping(parts_.settings.node_id());
   if (!faulty) return false;
-  std::array<char, 120> text{};
-  const int length =
-      std::snprintf(text.data(), text.size(),
-                    "stays in initialization: the stored object dictionary is faulty at %04XH:%02X; "
-                    "write 1011H:01 by the CIF and restart",
-                    faulty->index, faulty->sub);
-  parts_.report({text.data(), static_cast<std::size_t>(length)}, now);
+  parts_.report("stays in initialization: the stored object dictionary is faulty at " +
+                    canopen::object_name(faulty->index, faulty->sub) +
+                    "; write 1011H:01 by the CIF and restart",
+                now);
   return true;
 }
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/words.hpp"
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/eds/writer.hpp"
 #include "canopus/module/models/as_fcopm/as_fcopm.hpp"
@@ -108,18 +108,6 @@ const std::array catalogue = std::to_array<CatalogueEntry>({
      .reset_procedure = &module::as_fcopm::reset_procedure},
 });
 
-bool same_letter(char a, char b) {
-  return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
-}
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  std::ranges::transform(result, result.begin(), [](char c) {
-    return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  });
-  return result;
-}
-
 std::uint16_t count_objects(const canopen::DictionaryDescription& objects, unsigned first, unsigned last) {
   return static_cast<std::uint16_t>(
       std::ranges::count_if(objects.objects(), [&](const canopen::ObjectDescription& object) {
@@ -144,7 +132,7 @@ std::span<const module::ConfigurationTool* const> configuration_tools() noexcept
 
 const CatalogueEntry* find_module(std::string_view model) noexcept {
   const auto found = std::ranges::find_if(catalogue, [&](const CatalogueEntry& e) {
-    return std::ranges::equal(e.data_sheet->model, model, same_letter);
+    return ascii::equal_ignoring_case(e.data_sheet->model, model);
   });
   return found == catalogue.end() ? nullptr : &*found;
 }
@@ -162,7 +150,8 @@ std::string module_eds(const CatalogueEntry& entry, const ModeObjects* mode) {
   const auto objects = mode != nullptr ? mode->objects() : entry.objects();
   canopen::ObjectDictionary values(objects, 1);
   eds::FileInfo file;
-  file.file_name = lower(sheet.model) + (mode != nullptr ? fmt::format("-{}", mode->mode) : "") + ".eds";
+  file.file_name =
+      ascii::lower(sheet.model) + (mode != nullptr ? fmt::format("-{}", mode->mode) : "") + ".eds";
   file.version = file.revision = 1;
   file.eds_version = "4.0";
   file.description = std::string(sheet.model) + " as the soft module of Canopus is; not the maker's file";

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/text/json.hpp"
 
 namespace canopus::plant {
@@ -16,7 +17,7 @@ void add_boot(text::Json& line, const manager::BootRecord& record, can::Time now
       facts(record.step == BootStep::failed ? record.failed_step : record.step).asks_object ||
       record.step == BootStep::presence_pause;
   if (names_object && record.index != 0) {
-    line["object"] = fmt::format("{:04X}:{:02X}", record.index, record.sub);
+    line["object"] = canopen::object_text(record.index, record.sub);
   }
   if (record.attempts != 0) line["attempts"] = record.attempts;
   if (record.error == BootError::none) return;

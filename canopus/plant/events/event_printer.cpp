@@ -3,6 +3,8 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/cli/terminal/boot_report.hpp"
 #include "canopus/plant/events/boot_report.hpp"
 #include "canopus/plant/file/process_value.hpp"
 #include "canopus/text/json.hpp"
@@ -28,11 +30,7 @@ Json object_event(can::Time now, std::string_view kind, const ForcedObject& obje
   return line;
 }
 
-std::string hexadecimal(const canopen::Emergency& message) {
-  std::string text;
-  for (const std::uint8_t byte : message.manufacturer) text += fmt::format("{:02X}", byte);
-  return text;
-}
+std::string hexadecimal(const canopen::Emergency& message) { return ascii::hex_bytes(message.manufacturer); }
 
 }  // namespace
 

@@ -1,11 +1,11 @@
 // What connects a bus with the world outside of the plant, and with the plant's other buses.
 
 #include <algorithm>
-#include <charconv>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/number.hpp"
 #include "canopus/plant/file/plant_sections.hpp"
 #include "canopus/text/table_reader.hpp"
 
@@ -22,13 +22,6 @@ struct ReadRange {
   bool extended = false;
 };
 
-std::optional<std::uint32_t> hexadecimal(std::string_view digits) {
-  std::uint32_t value = 0;
-  const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
-  if (failure != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
-  return value;
-}
-
 /// As candump writes identifiers: 8 digits have 29 bits.
 std::optional<ReadRange> read_range(std::string_view text) {
   const std::size_t dash = text.find('-');
@@ -37,8 +30,8 @@ std::optional<ReadRange> read_range(std::string_view text) {
   constexpr std::size_t extended_digits = 8;
   if (first.empty() || (first.size() == extended_digits) != (last.size() == extended_digits))
     return std::nullopt;
-  const auto low = hexadecimal(first);
-  const auto high = hexadecimal(last);
+  const auto low = ascii::parse_number<std::uint32_t>(first, 16);
+  const auto high = ascii::parse_number<std::uint32_t>(last, 16);
   const bool extended = first.size() == extended_digits;
   const std::uint32_t most = extended ? can::max_extended_identifier : can::max_base_identifier;
   if (!low || !high || *low > *high || *high > most) return std::nullopt;

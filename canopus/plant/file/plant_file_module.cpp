@@ -1,12 +1,13 @@
 // What a module's section of a plant file has of settings: objects, words, and the parameters of the engineering tools.
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/plant/file/plant_sections.hpp"
 #include "canopus/plc/rack/module_refresh.hpp"
 #include "canopus/text/table_reader.hpp"
@@ -26,8 +27,7 @@ std::optional<text::Scalar> scalar(const toml::node& node) {
 /// "D1000", of devices that the CPU has.
 std::expected<std::pair<plc::Device, std::uint32_t>, std::string> parse_refresh_device(
     std::string_view text, const plc::CpuModel& cpu) {
-  const auto digits = static_cast<std::size_t>(
-      std::ranges::find_if(text, [](char c) { return c >= '0' && c <= '9'; }) - text.begin());
+  const auto digits = static_cast<std::size_t>(std::ranges::find_if(text, ascii::is_digit) - text.begin());
   const auto device = plc::device_named(text.substr(0, digits));
   const auto wrong = [text](std::string_view why) {
     return std::unexpected(
@@ -35,15 +35,13 @@ std::expected<std::pair<plc::Device, std::uint32_t>, std::string> parse_refresh_
   };
   if (!device) return wrong("there is no such device");
   const plc::DeviceInfo& info = plc::device_info(*device);
-  std::uint32_t number = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data() + digits, end, number, info.hexadecimal ? 16 : 10);
-  if (error != std::errc{} || stop != end) return wrong("its number is missing or wrong");
+  const auto number = ascii::parse_number<std::uint32_t>(text.substr(digits), info.hexadecimal ? 16 : 10);
+  if (!number) return wrong("its number is missing or wrong");
   const std::uint32_t points = plc::ModuleRefresh::block_words * (info.is_bit ? 16 : 1);
   if (cpu.points_of(*device) == 0) return wrong("the CPU does not have it");
-  if (!cpu.has(*device, number, points))
+  if (!cpu.has(*device, *number, points))
     return wrong(fmt::format("the CPU's last one is nearer than {} more", points));
-  return std::pair{*device, number};
+  return std::pair{*device, *number};
 }
 
 std::optional<std::uint8_t> read_refresh_group(text::TableReader& table, bool required) {

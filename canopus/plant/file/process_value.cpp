@@ -1,8 +1,6 @@
 #include "canopus/plant/file/process_value.hpp"
 
-#include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -10,6 +8,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/eds/value.hpp"
 #include "canopus/text/json.hpp"
@@ -53,24 +54,16 @@ std::optional<Whole> parse_whole(std::string_view text) {
     number.negative = text[0] == '-';
     text.remove_prefix(1);
   }
-  int base = 10;
-  if (text.starts_with("0x") || text.starts_with("0X")) {
-    base = 16;
-    text.remove_prefix(2);
-  }
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, number.magnitude, base);
-  if (error != std::errc{} || stop != end || text.empty()) return std::nullopt;
+  const auto magnitude = ascii::parse_number_with_prefix<std::uint64_t>(text);
+  if (!magnitude) return std::nullopt;
+  number.magnitude = *magnitude;
   return number;
 }
 
 std::optional<double> parse_real(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || stop != end || !std::isfinite(value)) return std::nullopt;
-  return value;
+  const auto value = ascii::parse_number<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 /// The 64-bit pattern of a text as eds::less compares it.
@@ -108,11 +101,6 @@ std::expected<std::uint64_t, std::string> pattern_of(std::string_view text, Data
   return number->negative ? ~number->magnitude + 1 : number->magnitude;
 }
 
-bool same_name(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
-  return std::ranges::equal(a, b, {}, lower, lower);
-}
-
 }  // namespace
 
 std::vector<Entry> process_values(const sim::Device& device) {
@@ -126,8 +114,6 @@ std::vector<Entry> process_values(const sim::Device& device) {
   return values;
 }
 
-std::string shown_object(const Entry& entry) { return fmt::format("{:04X}:{:02X}", entry.index, entry.sub); }
-
 std::expected<Entry, std::string> find_process_value(const sim::Device& device, std::string_view text) {
   const canopen::DictionaryDescription& description = *device.file().dictionary;
   const auto object = text::parse_object(text);
@@ -139,9 +125,9 @@ std::expected<Entry, std::string> find_process_value(const sim::Device& device, 
   Entry found;
   for (const Entry& entry : process_values(device)) {
     names.push_back(description.name(entry));
-    if (!same_name(names.back(), text)) continue;
+    if (!ascii::equal_ignoring_case(names.back(), text)) continue;
     found = entry;
-    named.push_back(shown_object(entry));
+    named.push_back(canopen::object_text(entry.index, entry.sub));
   }
   if (named.size() == 1) return found;
   if (named.size() > 1) {

@@ -37,7 +37,4 @@ namespace canopus::plant {
 /// The same as a number or boolean of JSON; what JSON has no number for (an infinity) as its text.
 [[nodiscard]] text::Json json_value(canopen::DataType type, std::uint64_t bits);
 
-/// "6000:01"
-[[nodiscard]] std::string shown_object(const canopen::Entry& entry);
-
 }  // namespace canopus::plant

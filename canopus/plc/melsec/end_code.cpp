@@ -1,5 +1,7 @@
 #include "canopus/plc/melsec/end_code.hpp"
 
+#include "canopus/ascii/hex.hpp"
+
 namespace canopus::plc::melsec {
 
 std::string_view end_code_text(std::uint16_t code) noexcept {
@@ -65,10 +67,7 @@ std::string_view end_code_1e_text(std::uint8_t code, std::uint8_t abnormal_code)
   }
 }
 
-std::string hexadecimal(std::uint8_t value) {
-  constexpr std::string_view digits = "0123456789ABCDEF";
-  return {digits[value >> 4U], digits[value & 0xFU], 'H'};
-}
+std::string hexadecimal(std::uint8_t value) { return ascii::hex(value, 2) + 'H'; }
 
 }  // namespace
 

@@ -12,6 +12,7 @@
 #include <span>
 #include <string_view>
 
+#include "canopus/ascii/hex.hpp"
 #include "canopus/can/little_endian.hpp"
 #include "canopus/plc/melsec/data_code.hpp"
 
@@ -91,10 +92,9 @@ class FieldReader {
   }
 
  private:
+  /// 255: none. Small letters are none.
   static unsigned digit_of(std::uint8_t character) noexcept {
-    if (character >= '0' && character <= '9') return character - unsigned{'0'};
-    if (character >= 'A' && character <= 'F') return character - unsigned{'A'} + 10;
-    return 255;
+    return character > 'F' ? 255 : ascii::hex_value(static_cast<char>(character)).value_or(255);
   }
 
   template <std::size_t size>
@@ -157,9 +157,8 @@ class FieldWriter {
       size_ += size;
       return;
     }
-    constexpr std::string_view hexadecimal = "0123456789ABCDEF";
     for (std::size_t i = 2 * size; i-- > 0;)
-      put(static_cast<std::uint8_t>(hexadecimal[value >> (4 * i) & 0xFU]));
+      put(static_cast<std::uint8_t>(ascii::hex_digit(value >> (4 * i))));
   }
 
   std::span<std::uint8_t> memory_;

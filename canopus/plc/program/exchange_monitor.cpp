@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "canopus/ascii/hex.hpp"
+
 namespace canopus::plc {
 
 namespace {
@@ -12,11 +14,7 @@ using Kind = module::ProgramRequest::Kind;
 constexpr can::Duration look_again = std::chrono::milliseconds(100);
 
 /// "X01"
-std::string signal_name(char kind, unsigned number) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%c%02X", kind, number);
-  return text;
-}
+std::string signal_name(char kind, unsigned number) { return kind + ascii::hex(number, 2); }
 
 /// "1.0 s", "31 ms"
 std::string shown(can::Duration time) {

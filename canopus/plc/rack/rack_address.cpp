@@ -4,6 +4,9 @@
 #include <charconv>
 #include <optional>
 
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
+
 namespace canopus::plc {
 
 namespace {
@@ -14,17 +17,14 @@ constexpr std::uint32_t last_unit = 0xFF;
 constexpr std::uint32_t own_cpu = 0x3E0;
 
 std::optional<std::uint32_t> number(std::string_view digits, int base, std::uint32_t last) {
-  std::uint32_t value = 0;
-  const char* end = digits.data() + digits.size();
-  const auto [stop, error] = std::from_chars(digits.data(), end, value, base);
-  if (digits.empty() || error != std::errc{} || stop != end || value > last) return std::nullopt;
-  return value;
+  const auto value = ascii::parse_number<std::uint32_t>(digits, base);
+  return value && *value <= last ? value : std::nullopt;
 }
 
 std::string in_base(std::uint32_t value, int base) {
   std::array<char, 12> memory{};
   const auto [end, error] = std::to_chars(memory.data(), memory.data() + memory.size(), value, base);
-  return upper({memory.data(), end});
+  return ascii::upper({memory.data(), end});
 }
 
 /// In which the numbers of a device are written.
@@ -57,15 +57,8 @@ std::expected<RackAddress, std::string> parse_buffer(std::string_view text, std:
 
 }  // namespace
 
-std::string upper(std::string_view text) {
-  std::string result(text);
-  for (char& character : result)
-    if (character >= 'a' && character <= 'z') character = static_cast<char>(character - 'a' + 'A');
-  return result;
-}
-
 std::expected<RackAddress, std::string> parse_rack_address(std::string_view text, unsigned io_base) {
-  const std::string upper_text = upper(text);
+  const std::string upper_text = ascii::upper(text);
   if (upper_text.starts_with('U') && upper_text.find_first_of("\\/") != std::string::npos)
     return parse_buffer(text, upper_text);
   // The longest name that is a device: SB before S, ZR before Z. B in "XB" is a digit.

@@ -23,9 +23,6 @@ struct RackAddress {
 [[nodiscard]] std::expected<RackAddress, std::string> parse_rack_address(std::string_view text,
                                                                          unsigned io_base = 16);
 
-/// ASCII letters as capital ones.
-[[nodiscard]] std::string upper(std::string_view text);
-
 /// The address `offset` points further, as people write it: "U0\G26", "X20".
 [[nodiscard]] std::string to_text(const RackAddress& address, std::uint32_t offset = 0,
                                   unsigned io_base = 16);

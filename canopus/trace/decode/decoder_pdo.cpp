@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "canopus/can/little_endian.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/trace/decode/decoder.hpp"
 #include "canopus/trace/decode/decoder_channel.hpp"
 #include "canopus/trace/decode/value_text.hpp"
@@ -61,10 +62,10 @@ void Decoder::decode_mpdo(Channel& channel, Message& message) const {
   const unsigned length = canopen::byte_length(facts.type);
   const auto value = std::span(message.data).first(length >= 1 && length <= 4 ? length : 4);
   message.text =
-      fmt::format("{} {:04X}:{:02X}{} = {}",
+      fmt::format("{} {}{} = {}",
                   destination ? addressed == 0 ? "to all:" : fmt::format("to node {}:", addressed) : "from",
-                  *message.index, message.sub, facts.name.empty() ? "" : fmt::format(" '{}'", facts.name),
-                  value_text(value, facts.type));
+                  canopen::object_text(*message.index, message.sub),
+                  facts.name.empty() ? "" : fmt::format(" '{}'", facts.name), value_text(value, facts.type));
 }
 
 void Decoder::decode_signals(Channel& channel, Message& message, const PdoFacts& pdo) {
@@ -93,8 +94,8 @@ void Decoder::decode_signals(Channel& channel, Message& message, const PdoFacts&
                   .value = signal_text(raw >> first, bits, type),
                   .number = number_of(raw >> first, bits, facts.type)};
     message.text += message.text.empty() ? "" : ", ";
-    message.text += signal.name.empty() ? fmt::format("{:04X}:{:02X} = {}", index, sub, signal.value)
-                                        : fmt::format("{} = {}", signal.name, signal.value);
+    message.text +=
+        (signal.name.empty() ? canopen::object_text(index, sub) : signal.name) + " = " + signal.value;
     message.signals.push_back(std::move(signal));
   }
   if (message.signals.empty()) message.text = hexadecimal(message.data);

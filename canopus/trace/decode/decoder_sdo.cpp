@@ -6,6 +6,7 @@
 
 #include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/dictionary/abort_code.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/trace/decode/decoder.hpp"
 #include "canopus/trace/decode/decoder_channel.hpp"
@@ -15,9 +16,8 @@ namespace canopus::trace {
 namespace {
 
 /// "6000:01 'Position value'".
-std::string object_text(std::uint16_t index, std::uint8_t sub, std::string_view name) {
-  return name.empty() ? fmt::format("{:04X}:{:02X}", index, sub)
-                      : fmt::format("{:04X}:{:02X} '{}'", index, sub, name);
+std::string named_object(std::uint16_t index, std::uint8_t sub, std::string_view name) {
+  return canopen::object_text(index, sub) + (name.empty() ? "" : fmt::format(" '{}'", name));
 }
 
 std::string abort_text(std::uint32_t code) {
@@ -106,7 +106,7 @@ void Decoder::receive_sdo(Channel& channel, Message& message, const SdoSide& sid
       const ObjectFacts& facts = channel.facts(side.server, *frame.index, frame.sub);
       message.object_name = facts.name;
       type = facts.type;
-      object = object_text(*frame.index, frame.sub, facts.name);
+      object = named_object(*frame.index, frame.sub, facts.name);
     }
     const bool whole = frame.kind == "download request" || frame.kind == "upload response";
     SdoFrame shown = frame;
@@ -151,7 +151,7 @@ void Decoder::emit_transfer(Channel& channel, std::uint8_t server, const Message
   message.duration = transfer.last - transfer.begin;
   const std::string took = duration_text(message.duration.count());
   const std::string object = transfer.is_joined ? "unknown object, begun before the trace,"
-                                                : object_text(transfer.index, transfer.sub, facts.name);
+                                                : named_object(transfer.index, transfer.sub, facts.name);
   message.text = fmt::format("{} {}: {}", object, message.kind,
                              transfer.end == TransferEnd::done ? value_and_facts(transfer, facts.type, took)
                                                                : end_text(transfer, took));

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "canopus/can/little_endian.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/trace/decode/value_text.hpp"
 
 namespace canopus::trace {
@@ -143,7 +144,8 @@ std::string object_value_text(std::uint16_t index, std::uint8_t sub, std::span<c
     const bool is_mapping =
         ((index >= 0x1600 && index <= 0x17FF) || (index >= 0x1A00 && index <= 0x1BFF)) && sub != 0;
     if (is_mapping)
-      return fmt::format("{:04X}:{:02X}, {} bits", number >> 16, number >> 8 & 0xFFU, number & 0xFFU);
+      return fmt::format("{}, {} bits", canopen::object_text(number >> 16, number >> 8 & 0xFFU),
+                         number & 0xFFU);
     const bool is_cob_id =
         ((is_pdo_communication(index) || (index >= 0x1200 && index <= 0x12FF)) && (sub == 1 || sub == 2)) ||
         index == 0x1005 || index == 0x1012 || index == 0x1014 || index == 0x1028;

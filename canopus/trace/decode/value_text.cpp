@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/hex.hpp"
 #include "canopus/can/little_endian.hpp"
 
 namespace canopus::trace {
@@ -38,10 +39,7 @@ std::int64_t sign_extended(std::uint64_t raw, unsigned bits) noexcept {
 }  // namespace
 
 std::string hexadecimal(std::span<const std::uint8_t> bytes, std::size_t most) {
-  std::string text;
-  for (const std::uint8_t byte : bytes.first(std::min(bytes.size(), most))) {
-    fmt::format_to(std::back_inserter(text), "{}{:02X}", text.empty() ? "" : " ", byte);
-  }
+  std::string text = ascii::hex_bytes(bytes.first(std::min(bytes.size(), most)), " ");
   if (bytes.size() > most) text += " ...";
   return text;
 }

@@ -5,11 +5,16 @@
 #include <array>
 #include <memory>
 
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/trace/file/text_reader.hpp"
 #include "canopus/trace/file/words.hpp"
 
 namespace canopus::trace {
 namespace {
+
+using ascii::equal_ignoring_case;
+using ascii::parse_number;
 
 /// English and German, as Vector's programs write them.
 std::optional<unsigned> month_of(std::string_view word) {
@@ -22,7 +27,8 @@ std::optional<unsigned> month_of(std::string_view word) {
                               Month{"mai", 5},        Month{"jun", 6},    Month{"jul", 7},  Month{"aug", 8},
                               Month{"sep", 9},        Month{"oct", 10},   Month{"okt", 10}, Month{"nov", 11},
                               Month{"dec", 12},       Month{"dez", 12}};
-  const auto* found = std::ranges::find_if(months, [&](const Month& m) { return same_word(m.name, word); });
+  const auto* found =
+      std::ranges::find_if(months, [&](const Month& m) { return equal_ignoring_case(m.name, word); });
   if (found == months.end()) return std::nullopt;
   return found->number;
 }
@@ -32,19 +38,19 @@ std::optional<can::Time> parse_date(std::string_view text) {
   Words words(text);
   (void)words.next();  // the day of the week
   const auto month = month_of(words.next());
-  const auto day = parse_number(words.next(), 10);
+  const auto day = parse_number<std::uint32_t>(words.next());
   const std::string_view clock = words.next();
   std::string_view last = words.next();
-  const bool am = same_word(last, "am");
-  const bool pm = same_word(last, "pm");
+  const bool am = equal_ignoring_case(last, "am");
+  const bool pm = equal_ignoring_case(last, "pm");
   if (am || pm) last = words.next();
-  const auto year = parse_number(last, 10);
+  const auto year = parse_number<std::uint32_t>(last);
   const std::size_t colon = clock.find(':');
   if (!month || !day || !year || *year > 2261 || clock.size() < colon + 4 || clock[colon + 3] != ':') {
     return std::nullopt;
   }
-  const auto hour = parse_number(clock.substr(0, colon), 10);
-  const auto minute = parse_number(clock.substr(colon + 1, 2), 10);
+  const auto hour = parse_number<std::uint32_t>(clock.substr(0, colon));
+  const auto minute = parse_number<std::uint32_t>(clock.substr(colon + 1, 2));
   const auto seconds = parse_time(clock.substr(colon + 4), nanoseconds_per_second);
   if (!hour || !minute || !seconds || *hour > 23 || *minute > 59) return std::nullopt;
   const unsigned of_day = am || pm ? *hour % 12 + (pm ? 12U : 0U) : *hour;
@@ -74,21 +80,21 @@ class AscReader final : public TextReader {
   }
 
   Found read_head(std::string_view first, Words& words) {
-    if (same_word(first, "date")) {
+    if (equal_ignoring_case(first, "date")) {
       if (const auto date = parse_date(words.rest())) last_ = start_ = *date;
       return Found::nothing;
     }
-    if (same_word(first, "base")) {
+    if (equal_ignoring_case(first, "base")) {
       const std::string_view base = words.next();
-      if (!same_word(base, "hex") && !same_word(base, "dec")) {
+      if (!equal_ignoring_case(base, "hex") && !equal_ignoring_case(base, "dec")) {
         return mistake(words.column(), "expected hex or dec, found " + shown(base));
       }
-      base_ = same_word(base, "hex") ? 16 : 10;
+      base_ = equal_ignoring_case(base, "hex") ? 16 : 10;
       (void)words.next();
-      relative_ = same_word(words.next(), "relative");
+      relative_ = equal_ignoring_case(words.next(), "relative");
       return Found::nothing;
     }
-    if (same_word(first, "begin")) {
+    if (equal_ignoring_case(first, "begin")) {
       (void)words.next();
       // the times of further blocks count from the same start
       const auto date = parse_date(words.rest());
@@ -96,29 +102,31 @@ class AscReader final : public TextReader {
       block_ = true;
       return Found::nothing;
     }
-    if (same_word(first, "end") || same_word(first, "internal") || same_word(first, "no"))
+    if (equal_ignoring_case(first, "end") || equal_ignoring_case(first, "internal") ||
+        equal_ignoring_case(first, "no"))
       return Found::nothing;
     if (first.starts_with("//")) return Found::left_out;
     return mistake(words.column(), "expected a time in seconds, found " + shown(first));
   }
 
   Found read_event(Words& words, TraceRecord& record) {
-    const auto channel = parse_number(words.next(), 10);
+    const auto channel = parse_number<std::uint32_t>(words.next());
     if (!channel || *channel > 255) return Found::left_out;  // CANFD, CAN 1 Status, Start of measurement ...
     std::string_view word = words.next();
-    if (same_word(word.substr(0, 10), "ErrorFrame")) {
+    if (equal_ignoring_case(word.substr(0, 10), "ErrorFrame")) {
       record.frame.dlc = 8;
       set_error_frame(record, unspecified_error);
       return set_channel(name_of_numbered_channel(*channel), record) ? Found::record : Found::mistake;
     }
     const std::size_t identifier_column = words.column();
     const std::string_view direction = words.next();
-    if (!same_word(direction, "Rx") && !same_word(direction, "Tx")) return Found::left_out;
-    record.transmitted = same_word(direction, "Tx");
+    if (!equal_ignoring_case(direction, "Rx") && !equal_ignoring_case(direction, "Tx"))
+      return Found::left_out;
+    record.transmitted = equal_ignoring_case(direction, "Tx");
     can::Frame& frame = record.frame;
     frame.extended = word.ends_with('x') || word.ends_with('X');
     if (frame.extended) word.remove_suffix(1);
-    const auto identifier = parse_number(word, base_);
+    const auto identifier = parse_number<std::uint32_t>(word, base_);
     if (!identifier ||
         *identifier > (frame.extended ? can::max_extended_identifier : can::max_base_identifier)) {
       return mistake(identifier_column, std::string("expected an identifier, ") +
@@ -127,11 +135,11 @@ class AscReader final : public TextReader {
     }
     frame.identifier = *identifier;
     const std::string_view kind = words.next();
-    frame.remote = same_word(kind, "r");
-    if (!frame.remote && !same_word(kind, "d")) {
+    frame.remote = equal_ignoring_case(kind, "r");
+    if (!frame.remote && !equal_ignoring_case(kind, "d")) {
       return mistake(words.column(), "expected d or r, found " + shown(kind));
     }
-    const auto dlc = parse_number(words.peek(), base_);
+    const auto dlc = parse_number<std::uint32_t>(words.peek(), base_);
     if (dlc && *dlc <= 15) {
       (void)words.next();
       frame.dlc = static_cast<std::uint8_t>(*dlc);
@@ -141,7 +149,7 @@ class AscReader final : public TextReader {
     }
     for (std::size_t i = 0; i < frame.length(); ++i) {
       word = words.next();
-      const auto byte = parse_number(word, base_);
+      const auto byte = parse_number<std::uint32_t>(word, base_);
       if (!byte || *byte > 255)
         return mistake(words.column(), "expected a byte of data, found " + shown(word));
       frame.data[i] = static_cast<std::uint8_t>(*byte);

@@ -4,28 +4,23 @@
 #include <charconv>
 #include <chrono>
 #include <cstdint>
-#include <optional>
 #include <utility>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/trace/file/words.hpp"
 
 namespace canopus::trace {
 namespace {
 
-constexpr char hex_digits[] = "0123456789ABCDEF";
 constexpr std::uint32_t error_frame_flag = 0x2000'0000;  // CAN_ERR_FLAG of linux/can.h
 constexpr char time_expected[] = "'(' and a time in seconds";
 
-constexpr bool is_blank(char c) noexcept { return c == ' ' || c == '\t'; }
-
-constexpr bool is_letter(char c) noexcept { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-
-constexpr std::optional<unsigned> hex_value(char c) noexcept {
-  if (is_digit(c)) return static_cast<unsigned>(c - '0');
-  if (c >= 'A' && c <= 'F') return static_cast<unsigned>(c - 'A' + 10);
-  if (c >= 'a' && c <= 'f') return static_cast<unsigned>(c - 'a' + 10);
-  return std::nullopt;
-}
+using ascii::hex_value;
+using ascii::is_blank;
+using ascii::is_digit;
+using ascii::is_letter;
+using ascii::write_hex;
 
 /// `number` in decimal with at least `width` digits.
 char* put_decimal(char* out, std::uint64_t number, int width) noexcept {
@@ -33,12 +28,6 @@ char* put_decimal(char* out, std::uint64_t number, int width) noexcept {
   const auto end = std::to_chars(digits, digits + sizeof digits, number).ptr;
   for (auto missing = width - (end - digits); missing > 0; --missing) *out++ = '0';
   return std::copy(digits, end, out);
-}
-
-/// The lowest `width` hexadecimal digits of `number`.
-char* put_hex(char* out, std::uint32_t number, int width) noexcept {
-  for (int digit = width - 1; digit >= 0; --digit) *out++ = hex_digits[number >> (4 * digit) & 0xFU];
-  return out;
 }
 
 /// One pass over a line. Every read either succeeds or says what was expected at the place where it stands.
@@ -112,7 +101,7 @@ bool Line::fail_at(std::size_t at, std::string expected) {
     if (byte >= 0x20 && byte < 0x7F) {
       found = {'\'', text_[at], '\''};
     } else {
-      found = {'b', 'y', 't', 'e', ' ', hex_digits[byte >> 4], hex_digits[byte & 0xF], 'H'};
+      found = "byte " + ascii::hex(byte, 2) + 'H';
     }
   }
   error_ = {.line = number_,
@@ -336,18 +325,18 @@ std::size_t write_candump_line(std::span<char> out, std::string_view channel,
   if (channel.empty()) channel = "_";
   for (const char c : channel.substr(0, candump_max_channel)) *p++ = c > ' ' && c < 0x7F ? c : '_';
   *p++ = ' ';
-  p = put_hex(p, frame.identifier | (record.error_frame ? error_frame_flag : 0),
-              frame.extended || record.error_frame ? 8 : 3);
+  p = write_hex(p, frame.identifier | (record.error_frame ? error_frame_flag : 0),
+                frame.extended || record.error_frame ? 8 : 3);
   *p++ = '#';
   const unsigned length = std::min<unsigned>(frame.dlc, 8);
   if (frame.remote) {
     *p++ = 'R';
-    if (length > 0) *p++ = hex_digits[length];
+    if (length > 0) p = write_hex(p, length, 1);
   }
-  for (const std::uint8_t byte : frame.bytes()) p = put_hex(p, byte, 2);
+  for (const std::uint8_t byte : frame.bytes()) p = write_hex(p, byte, 2);
   if (frame.dlc > 8) {
     *p++ = '_';
-    *p++ = hex_digits[frame.dlc & 0xF];
+    p = write_hex(p, frame.dlc, 1);
   }
   if (record.transmitted) {
     *p++ = ' ';

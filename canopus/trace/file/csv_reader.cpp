@@ -7,11 +7,16 @@
 #include <memory>
 #include <vector>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/trace/file/text_reader.hpp"
 #include "canopus/trace/file/words.hpp"
 
 namespace canopus::trace {
 namespace {
+
+using ascii::equal_ignoring_case;
 
 enum class Column : std::uint8_t {
   time,
@@ -38,7 +43,8 @@ Column column_of(std::string_view name) {
                              Name{"extended", Column::extended}, Name{"remote", Column::remote},
                              Name{"error", Column::error},       Name{"dlc", Column::dlc},
                              Name{"data", Column::data}};
-  const auto* found = std::ranges::find_if(names, [&](const Name& n) { return same_word(n.name, name); });
+  const auto* found =
+      std::ranges::find_if(names, [&](const Name& n) { return equal_ignoring_case(n.name, name); });
   return found == names.end() ? Column::other : found->column;
 }
 
@@ -94,7 +100,7 @@ std::optional<std::string> from_hex(std::string_view text) {
       word = single;
     }
     for (; !word.empty(); word.remove_prefix(2)) {
-      const auto byte = word.size() < 2 ? std::nullopt : parse_number(word.substr(0, 2), 16);
+      const auto byte = ascii::byte_of_hex(word.substr(0, 2));
       if (!byte) return std::nullopt;
       bytes += static_cast<char>(*byte);
     }
@@ -147,8 +153,8 @@ class CsvReader final : public TextReader {
     };
     const auto flag = [&](Column column, bool& value) {
       const std::string& text = field(column);
-      value = text == "1" || same_word(text, "true");
-      return value || text.empty() || text == "0" || same_word(text, "false");
+      value = text == "1" || equal_ignoring_case(text, "true");
+      return value || text.empty() || text == "0" || equal_ignoring_case(text, "false");
     };
     const auto time = parse_time(field(Column::time), nanoseconds_per_second);
     if (!time) return mistake("expected a time in seconds, found " + shown(field(Column::time)));
@@ -161,17 +167,18 @@ class CsvReader final : public TextReader {
     }
     std::string_view digits = field(Column::identifier);
     if (digits.starts_with("0x") || digits.starts_with("0X")) digits.remove_prefix(2);
-    const auto identifier = parse_number(digits, 16);
+    const auto identifier = ascii::parse_number<std::uint32_t>(digits, 16);
     if (!identifier ||
         *identifier > (frame.extended || error ? can::max_extended_identifier : can::max_base_identifier)) {
       return mistake("expected a hexadecimal identifier, found " + shown(field(Column::identifier)));
     }
     frame.identifier = *identifier;
-    record.transmitted = same_word(field(Column::direction), "Tx");
+    record.transmitted = equal_ignoring_case(field(Column::direction), "Tx");
     const auto bytes = base64_ ? from_base64(field(Column::data)) : from_hex(field(Column::data));
     if (!bytes) return mistake("expected data in " + std::string(base64_ ? "base64" : "hexadecimal bytes"));
     const std::string& length = field(Column::dlc);
-    const auto dlc = length.empty() ? static_cast<std::uint32_t>(bytes->size()) : parse_number(length, 10);
+    const auto dlc = length.empty() ? static_cast<std::uint32_t>(bytes->size())
+                                    : ascii::parse_number<std::uint32_t>(length);
     // python-can gives a CAN FD frame up to 64 bytes, and has no DLC beyond 8 of a classical one
     if (bytes->size() > 8 || (base64_ && dlc && *dlc > 8)) return Found::left_out;
     if (!dlc || *dlc > 15) return mistake("expected a DLC of 0 to 15, found " + shown(length));

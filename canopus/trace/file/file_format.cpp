@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "canopus/ascii/words.hpp"
 #include "canopus/trace/file/words.hpp"
 
 namespace canopus::trace {
@@ -22,15 +23,17 @@ std::expected<FileFormat, std::string> trace_format_of(std::string_view path) {
   if (dot == std::string_view::npos || dot == 0) return FileFormat::candump;
   const std::string_view extension = name.substr(dot + 1);
   for (const FormatName& entry : format_names) {
-    if (entry.format != FileFormat::blf && same_word(entry.name, extension)) return entry.format;
+    if (entry.format != FileFormat::blf && ascii::equal_ignoring_case(entry.name, extension))
+      return entry.format;
   }
   const bool number = extension.find_first_not_of("0123456789") == std::string_view::npos;
-  if (number || same_word(extension, "log") || same_word(extension, "txt")) return FileFormat::candump;
-  const std::string_view hint = same_word(extension, "blf")
-                                    ? "; python-can's can.logconvert makes a BLF file of "
-                                      "an ASC file"
-                                : same_word(extension, "vcd") ? "; --vcd records the wire as a waveform"
-                                                              : "";
+  if (number || ascii::equal_ignoring_case(extension, "log") || ascii::equal_ignoring_case(extension, "txt"))
+    return FileFormat::candump;
+  const std::string_view hint =
+      ascii::equal_ignoring_case(extension, "blf")   ? "; python-can's can.logconvert makes a BLF file of "
+                                                       "an ASC file"
+      : ascii::equal_ignoring_case(extension, "vcd") ? "; --vcd records the wire as a waveform"
+                                                     : "";
   return std::unexpected(
       std::string(path) +
       ": traces are written as candump log (name.log, or a name without extension), .pcap, "

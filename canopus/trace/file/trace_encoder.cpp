@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/number.hpp"
 #include "canopus/trace/file/candump_log.hpp"
 #include "canopus/trace/file/capture_writer.hpp"
 #include "canopus/trace/file/words.hpp"
@@ -172,7 +173,8 @@ std::uint32_t TraceEncoder::number_of(std::string_view channel) noexcept {
   const std::size_t before = channels_.size();
   const std::uint16_t index = channels_.number_of(channel).value_or(0);
   if (channels_.size() == before) return numbers_[index];
-  const auto wanted = channel.starts_with("can") ? parse_number(channel.substr(3), 10) : std::nullopt;
+  const auto wanted =
+      channel.starts_with("can") ? ascii::parse_number<std::uint32_t>(channel.substr(3)) : std::nullopt;
   std::uint32_t number = wanted && *wanted < 255 ? *wanted + 1 : 1;
   while (number < 255 && std::ranges::find(numbers_, number) != numbers_.end()) ++number;
   numbers_.push_back(number);

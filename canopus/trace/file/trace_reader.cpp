@@ -3,11 +3,14 @@
 #include <array>
 #include <utility>
 
+#include "canopus/ascii/words.hpp"
 #include "canopus/trace/file/reader_base.hpp"
 #include "canopus/trace/file/words.hpp"
 
 namespace canopus::trace {
 namespace {
+
+using ascii::equal_ignoring_case;
 
 using namespace std::string_view_literals;
 
@@ -32,10 +35,12 @@ std::optional<FileFormat> format_of_line(std::string_view line) {
   if (first.empty()) return std::nullopt;
   if (first.front() == ';') return FileFormat::trc;
   const std::string_view name = first.substr(0, first.find_first_of(",;"));
-  if (name.size() < first.size() && (same_word(name, "time") || same_word(name, "timestamp"))) {
+  if (name.size() < first.size() &&
+      (equal_ignoring_case(name, "time") || equal_ignoring_case(name, "timestamp"))) {
     return FileFormat::csv;
   }
-  if ((same_word(first, "date") || same_word(first, "base") || same_word(first, "begin")) &&
+  if ((equal_ignoring_case(first, "date") || equal_ignoring_case(first, "base") ||
+       equal_ignoring_case(first, "begin")) &&
       !words.peek().empty()) {
     return FileFormat::asc;
   }

@@ -5,11 +5,16 @@
 #include <array>
 #include <memory>
 
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/trace/file/text_reader.hpp"
 #include "canopus/trace/file/words.hpp"
 
 namespace canopus::trace {
 namespace {
+
+using ascii::equal_ignoring_case;
+using ascii::parse_number;
 
 constexpr std::int64_t millisecond = 1'000'000;
 
@@ -29,7 +34,7 @@ std::string_view columns_of(std::string_view version) {
 std::optional<can::Time> parse_days(std::string_view word) {
   constexpr std::int64_t days_before_1970 = 25569;
   const std::size_t point = std::min(word.find('.'), word.size());
-  const auto days = parse_number(word.substr(0, point), 10);
+  const auto days = parse_number<std::uint32_t>(word.substr(0, point));
   if (!days || *days < days_before_1970 || *days > 132'000) return std::nullopt;
   __extension__ using Wide = unsigned __int128;
   constexpr std::uint64_t microseconds_per_day = 86'400'000'000U;
@@ -87,7 +92,7 @@ class TrcReader final : public TextReader {
     const auto value_of = [line](std::string_view key) -> std::string_view {
       if (!line.starts_with(key)) return {};
       std::string_view value = line.substr(key.size());
-      value = value.substr(0, value.find_last_not_of(" \t") + 1);
+      while (!value.empty() && ascii::is_blank(value.back())) value.remove_suffix(1);
       return value;
     };
     if (const auto version = value_of(";$FILEVERSION="); !version.empty()) {
@@ -117,14 +122,14 @@ class TrcReader final : public TextReader {
     record.time = can::later(start_, *offset);
     const std::string_view type = row.type;
     // 1.x name the direction as type; 1.0 has neither, and marks errors by an identifier that no frame has
-    const bool in_type = same_word(type, "Rx") || same_word(type, "Tx");
-    const bool error = type == "ER" || same_word(type, "Error");
+    const bool in_type = equal_ignoring_case(type, "Rx") || equal_ignoring_case(type, "Tx");
+    const bool error = type == "ER" || equal_ignoring_case(type, "Error");
     const bool is_frame =
         in_type || type == "DT" || type == "RR" || (type.empty() && row.identifier != "FFFFFFFF");
     if (!is_frame && !error) return Found::left_out;
-    record.transmitted = same_word(in_type ? type : row.direction, "Tx");
+    record.transmitted = equal_ignoring_case(in_type ? type : row.direction, "Tx");
     can::Frame& frame = record.frame;
-    const auto identifier = parse_number(row.identifier, 16);
+    const auto identifier = parse_number<std::uint32_t>(row.identifier, 16);
     frame.extended = row.identifier.size() > 4;
     if (!identifier ||
         *identifier > (frame.extended ? can::max_extended_identifier : can::max_base_identifier)) {
@@ -140,19 +145,19 @@ class TrcReader final : public TextReader {
     } else if (const Found found = read_data(row, frame); found != Found::record) {
       return found;
     }
-    const auto bus = row.bus.empty() ? 1 : parse_number(row.bus, 10);
+    const auto bus = row.bus.empty() ? 1 : parse_number<std::uint32_t>(row.bus);
     if (!bus || *bus > 255) return mistake("expected the number of a bus, found " + shown(row.bus));
     return set_channel(name_of_numbered_channel(*bus), record) ? Found::record : Found::mistake;
   }
 
   Found read_data(Row& row, can::Frame& frame) {
-    const auto length = parse_number(row.length, 10);
+    const auto length = parse_number<std::uint32_t>(row.length);
     if (!length || *length > 15) return mistake("expected a DLC of 0 to 15, found " + shown(row.length));
     frame.dlc = static_cast<std::uint8_t>(*length);
-    frame.remote = row.type == "RR" || same_word(row.data.peek(), "RTR");
+    frame.remote = row.type == "RR" || equal_ignoring_case(row.data.peek(), "RTR");
     for (std::size_t i = 0; i < frame.length(); ++i) {
       const std::string_view word = row.data.next();
-      const auto byte = parse_number(word, 16);
+      const auto byte = parse_number<std::uint32_t>(word, 16);
       if (!byte || *byte > 255)
         return mistake(row.data.column(), "expected a byte of data, found " + shown(word));
       frame.data[i] = static_cast<std::uint8_t>(*byte);

@@ -1,16 +1,16 @@
 #include "canopus/trace/file/words.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <limits>
+
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 
 namespace canopus::trace {
 namespace {
 
 constexpr std::string_view blanks = " \t";
-
-constexpr char lower(char c) noexcept { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 }  // namespace
 
@@ -24,13 +24,6 @@ std::string_view Words::rest() const noexcept {
   return line_.substr(std::min(line_.find_first_not_of(blanks, at_), line_.size()));
 }
 
-std::optional<std::uint32_t> parse_number(std::string_view word, int base) noexcept {
-  std::uint32_t number = 0;
-  const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), number, base);
-  if (failure != std::errc{} || end != word.data() + word.size()) return std::nullopt;
-  return number;
-}
-
 std::optional<can::Duration> parse_time(std::string_view word, std::int64_t unit) noexcept {
   const bool negative = word.starts_with('-');
   if (negative || word.starts_with('+')) word.remove_prefix(1);
@@ -39,7 +32,7 @@ std::optional<can::Duration> parse_time(std::string_view word, std::int64_t unit
   constexpr std::int64_t most_digits = std::numeric_limits<std::int64_t>::max() / 10 - 1;
   bool any = false;
   bool behind_point = false;
-  while (!word.empty() && (is_digit(word.front()) || (word.front() == '.' && !behind_point))) {
+  while (!word.empty() && (ascii::is_digit(word.front()) || (word.front() == '.' && !behind_point))) {
     const char c = word.front();
     word.remove_prefix(1);
     if (c == '.') {
@@ -57,11 +50,10 @@ std::optional<can::Duration> parse_time(std::string_view word, std::int64_t unit
   if (!any) return std::nullopt;
   if (word.starts_with('e') || word.starts_with('E')) {
     word.remove_prefix(word.size() > 1 && word[1] == '+' ? 2 : 1);
-    int power = 0;
-    const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), power);
-    if (failure != std::errc{} || power < -1000 || power > 1000) return std::nullopt;
-    word.remove_prefix(static_cast<std::size_t>(end - word.data()));
-    exponent += power;
+    const auto power = ascii::parse_number<int>(word);
+    if (!power || *power < -1000 || *power > 1000) return std::nullopt;
+    word = {};
+    exponent += *power;
   }
   if (!word.empty()) return std::nullopt;
   for (; unit >= 10; unit /= 10) ++exponent;
@@ -72,10 +64,6 @@ std::optional<can::Duration> parse_time(std::string_view word, std::int64_t unit
   for (; exponent < -1 && digits != 0; ++exponent) digits /= 10;
   if (exponent == -1) digits = (digits + 5) / 10;
   return can::Duration(negative ? -digits : digits);
-}
-
-bool same_word(std::string_view a, std::string_view b) noexcept {
-  return std::ranges::equal(a, b, [](char x, char y) { return lower(x) == lower(y); });
 }
 
 std::string shown(std::string_view word) {

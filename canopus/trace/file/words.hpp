@@ -32,14 +32,9 @@ class Words {
 
 inline constexpr std::int64_t nanoseconds_per_second = 1'000'000'000;
 
-constexpr bool is_digit(char c) noexcept { return c >= '0' && c <= '9'; }
-/// A whole word as number without sign; nothing if it is none or does not fit.
-[[nodiscard]] std::optional<std::uint32_t> parse_number(std::string_view word, int base) noexcept;
 /// A decimal number with or without sign, point and exponent (`12.000345`, `1e-05`), in units of `unit` ns which is
 /// a power of ten; rounded to the nanosecond. Nothing if it is none or no can::Duration.
 [[nodiscard]] std::optional<can::Duration> parse_time(std::string_view word, std::int64_t unit) noexcept;
-/// ASCII letters of both cases are the same.
-[[nodiscard]] bool same_word(std::string_view a, std::string_view b) noexcept;
 /// How an error shows a word: in quotation marks, cut, without control characters; or "the end of the line".
 [[nodiscard]] std::string shown(std::string_view word);
 /// A date and a time of day as UTC; nothing if there is no such moment. `day` counts from 1, years 1970 to 2261.

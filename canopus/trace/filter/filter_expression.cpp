@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/words.hpp"
 #include "canopus/text/nearest_word.hpp"
 #include "canopus/text/printable.hpp"
 
@@ -20,8 +21,6 @@ constexpr FilterNames term_names{.node = "node=",
                                  .identifier = "id=",
                                  .from = "from: ",
                                  .to = "to: "};
-
-char lower_case(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 std::vector<std::string> split_values(std::string_view text) {
   std::vector<std::string> values;
@@ -50,8 +49,7 @@ std::expected<FilterExpression::Term, std::string> FilterExpression::parse_term(
   }
   const std::size_t equals = is_quoted ? std::string_view::npos : text.find('=');
   if (equals == std::string_view::npos) {
-    term.text = text;
-    std::ranges::transform(term.text, term.text.begin(), lower_case);
+    term.text = ascii::lower(text);
     return term;
   }
   const std::string_view key = text.substr(0, equals);
@@ -131,7 +129,7 @@ bool FilterExpression::is_of(const Term& term, const Message& message, std::stri
 }
 
 bool FilterExpression::has(std::string_view line, std::string_view text) {
-  return !std::ranges::search(line, text, {}, lower_case).empty();
+  return ascii::contains_ignoring_case(line, text);
 }
 
 }  // namespace canopus::trace

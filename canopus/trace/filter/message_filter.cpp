@@ -1,8 +1,9 @@
 #include "canopus/trace/filter/message_filter.hpp"
 
 #include <algorithm>
-#include <charconv>
 
+#include "canopus/ascii/number.hpp"
+#include "canopus/cli/options/command.hpp"
 #include "canopus/text/nearest_word.hpp"
 #include "canopus/text/text_values.hpp"
 
@@ -16,12 +17,9 @@ std::vector<std::string_view> service_names() {
 }
 
 std::optional<std::uint32_t> parse_number(std::string_view text, int base, std::uint32_t most) {
-  if (base == 16 && (text.starts_with("0x") || text.starts_with("0X"))) text.remove_prefix(2);
-  if (base == 16 && (text.ends_with('H') || text.ends_with('h'))) text.remove_suffix(1);
-  std::uint32_t value = 0;
-  const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), value, base);
-  if (failure != std::errc{} || stop != text.data() + text.size() || value > most) return std::nullopt;
-  return value;
+  const auto value = base == 16 ? ascii::parse_hexadecimal<std::uint32_t>(text)
+                                : ascii::parse_number<std::uint32_t>(text, base);
+  return value && *value <= most ? value : std::nullopt;
 }
 
 std::unexpected<std::string> wrong(std::string_view option, std::string_view text,

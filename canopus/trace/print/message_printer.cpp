@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <chrono>
 
+#include "canopus/ascii/hex.hpp"
 #include "canopus/canopen/dictionary/abort_code.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/local_time.hpp"
 #include "canopus/trace/decode/value_text.hpp"
@@ -86,7 +88,7 @@ std::string service_text(const Message& message) {
 
 std::string object_text(const Message& message) {
   if (!message.index) return {};
-  std::string text = fmt::format("{:04X}:{:02X}", *message.index, message.sub);
+  std::string text = canopen::object_text(*message.index, message.sub);
   if (!message.object_name.empty()) text += ' ' + message.object_name;
   return text;
 }
@@ -137,14 +139,10 @@ text::Json to_json(const Message& message, std::string_view channel) {
     json["sub"] = message.sub;
   }
   if (!message.object_name.empty()) json["object"] = message.object_name;
-  if (!message.data.empty()) {
-    std::string digits;
-    for (const std::uint8_t byte : message.data) fmt::format_to(std::back_inserter(digits), "{:02X}", byte);
-    json["data"] = digits;
-  }
+  if (!message.data.empty()) json["data"] = ascii::hex_bytes(message.data);
   for (const Signal& signal : message.signals) {
     text::Json one;
-    one["object"] = fmt::format("{:04X}:{:02X}", signal.index, signal.sub);
+    one["object"] = canopen::object_text(signal.index, signal.sub);
     if (!signal.name.empty()) one["name"] = signal.name;
     if (signal.number) {
       one["value"] = *signal.number;

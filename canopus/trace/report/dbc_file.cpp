@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/trace/decode/object_facts.hpp"
 #include "canopus/trace/report/bus_model.hpp"
 #include "canopus/trace/report/names_of_others.hpp"
@@ -85,9 +86,8 @@ class DbcWriter {
     messages_ += fmt::format(" SG_ {} : {}|{}@1{} (1,0) [0|0] {} {}\n", name, signal.first_bit, signal.bits,
                              negative ? '-' : '+', dbc_string(object_unit(signal.index, signal.sub)),
                              fmt::join(receivers, ","));
-    comments_ +=
-        fmt::format("CM_ SG_ {} {} {};\n", id, name,
-                    dbc_string(fmt::format("{:04X}:{:02X} {}", signal.index, signal.sub, signal.name)));
+    comments_ += fmt::format("CM_ SG_ {} {} {};\n", id, name,
+                             dbc_string(canopen::object_text(signal.index, signal.sub) + ' ' + signal.name));
     if (real) types_ += fmt::format("SIG_VALTYPE_ {} {} : {};\n", id, name, signal.bits == 32 ? 1 : 2);
   }
 

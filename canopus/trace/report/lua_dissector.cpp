@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/words.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/trace/decode/object_facts.hpp"
 #include "canopus/trace/report/bus_model.hpp"
 #include "canopus/trace/report/names_of_others.hpp"
@@ -106,12 +108,6 @@ std::string_view kind_of(const Signal& signal) {
   return real ? "real" : canopen::is_signed(signal.type) ? "signed" : "unsigned";
 }
 
-std::string lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  return text;
-}
-
 std::string objects_table(const NodeDescription& node) {
   std::string table;
   if (!node.dictionary) return table;
@@ -153,8 +149,8 @@ std::string lua_dissector(const BusModel& model, std::string_view title) {
                        lua_string(name));
     for (const Signal& signal : pdo.signals) {
       const std::string shown =
-          signal.name.empty() ? fmt::format("{:04X}:{:02X}", signal.index, signal.sub) : signal.name;
-      const std::string id = identifiers.make(lower_case(fmt::format("n{}_{}", pdo.node, shown)), "signal");
+          signal.name.empty() ? canopen::object_text(signal.index, signal.sub) : signal.name;
+      const std::string id = identifiers.make(ascii::lower(fmt::format("n{}_{}", pdo.node, shown)), "signal");
       lua += fmt::format("    {{ id = \"{}\", name = {}, first = {}, bits = {}, kind = \"{}\" }},\n", id,
                          lua_string(shown), signal.first_bit, signal.bits, kind_of(signal));
     }

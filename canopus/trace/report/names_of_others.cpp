@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/words.hpp"
+
 namespace canopus::trace {
 namespace {
 
@@ -16,8 +18,8 @@ constexpr std::array<std::string_view, 26> dbc_keywords{
     "BA_DEF_DEF_", "SIG_GROUP_", "SIG_VALTYPE_", "BO_TX_BU_",  "CAT_DEF_",  "CAT_",         "FILTER",
     "BA_DEF_REL_", "BA_REL_",    "BU_SG_REL_",   "BU_EV_REL_", "BU_BO_REL_"};
 
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+using ascii::is_digit;
+using ascii::is_letter;
 
 /// Length of the UTF-8 character that begins here; 0: none begins.
 std::size_t character_length(std::string_view text) {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "canopus/can/frame_bits.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/trace/report/names_of_others.hpp"
 
 namespace canopus::trace {
@@ -160,7 +161,8 @@ void TracePicture::add_signals(const Message& message, double time) {
                               ? curves_.size() < PictureOptions::most_signals
                               : std::ranges::find(options_.signals, key) != options_.signals.end();
       if (!wanted) continue;
-      std::string name = fmt::format("node {} {:04X}:{:02X}", node_text(message), signal.index, signal.sub);
+      std::string name =
+          fmt::format("node {} {}", node_text(message), canopen::object_text(signal.index, signal.sub));
       if (!signal.name.empty()) name += " " + signal.name;
       curves_.push_back({key, std::move(name), {}});
       curve = curves_.end() - 1;

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <system_error>
 
-#include <fmt/format.h>
 #include <sys/random.h>
+
+#include "canopus/ascii/hex.hpp"
+#include "canopus/ascii/words.hpp"
 
 namespace canopus::web {
 
@@ -16,9 +18,7 @@ std::string new_secret() {
   while (::getrandom(bits.data(), bits.size(), 0) != static_cast<ssize_t>(bits.size())) {
     if (errno != EINTR) throw std::system_error(errno, std::generic_category(), "getrandom");
   }
-  std::string text;
-  for (const std::uint8_t byte : bits) text += fmt::format("{:02x}", byte);
-  return text;
+  return ascii::lower(ascii::hex_bytes(bits));
 }
 
 bool is_same_secret(std::string_view one, std::string_view other) noexcept {

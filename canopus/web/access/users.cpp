@@ -11,29 +11,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "canopus/ascii/words.hpp"
+#include "canopus/serve/web/web_password.hpp"
 #include "canopus/web/access/password.hpp"
 
 namespace canopus::web {
 namespace {
 
-constexpr std::string_view blanks = " \t";
-
-bool is_letter_or_digit(char letter) {
-  return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ||
-         (letter >= '0' && letter <= '9');
-}
-
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
-  while (true) {
-    const std::size_t begin = line.find_first_not_of(blanks);
-    if (begin == std::string_view::npos) return words;
-    line.remove_prefix(begin);
-    const std::size_t end = std::min(line.find_first_of(blanks), line.size());
-    words.push_back(line.substr(0, end));
-    line.remove_prefix(end);
-  }
-}
+bool is_letter_or_digit(char letter) { return ascii::is_letter(letter) || ascii::is_digit(letter); }
 
 std::expected<WebAccount, std::string> read_account(const std::vector<std::string_view>& words) {
   if (words.size() != 3) {
@@ -114,7 +99,7 @@ std::expected<std::vector<WebAccount>, std::string> parse_web_users(std::string_
     std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
     if (line.ends_with('\r')) line.remove_suffix(1);
-    const auto words = words_of(line);
+    const auto words = ascii::words(line);
     if (words.empty() || words.front().starts_with('#')) continue;
     auto account = read_account(words);
     if (!account) return std::unexpected(fmt::format("{}:{}: {}", file, number, account.error()));

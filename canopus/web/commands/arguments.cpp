@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/words.hpp"
+#include "canopus/cli/web/web_command_table.hpp"
 #include "canopus/text/printable.hpp"
 #include "canopus/text/shortened.hpp"
 #include "canopus/web/commands/command_table.hpp"
@@ -199,8 +201,7 @@ std::string shown_command(const std::vector<std::string>& arguments) {
   std::string line = "canopus";
   for (const std::string& one : arguments) {
     const bool is_plain = !one.empty() && std::ranges::all_of(one, [](char c) {
-      return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
-             std::string_view("-_=./:,+@%").contains(c);
+      return ascii::is_digit(c) || ascii::is_letter(c) || std::string_view("-_=./:,+@%").contains(c);
     });
     if (is_plain) {
       line += ' ' + one;

@@ -1,7 +1,6 @@
 #include "canopus/web/commands/child_process.hpp"
 
 #include <cerrno>
-#include <charconv>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -17,6 +16,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "canopus/ascii/number.hpp"
+#include "canopus/cli/web/parent_process.hpp"
 #include "canopus/web/commands/parent_process.hpp"
 
 namespace canopus::web {
@@ -69,11 +70,10 @@ bool is_left_folder(const std::filesystem::path& path) {
   const std::string prefix = folders_of_namespace();
   constexpr std::size_t dice = 7;  // "-XXXXXX"
   if (!name.starts_with(prefix) || name.size() <= prefix.size() + dice) return false;
-  const char* const begin = name.data() + prefix.size();
-  const char* const end = name.data() + name.size() - dice;
-  pid_t process = 0;
-  const auto [rest, wrong] = std::from_chars(begin, end, process);
-  if (wrong != std::errc() || rest != end || *end != '-' || process <= 0) return false;
+  const std::string_view digits =
+      std::string_view(name).substr(prefix.size(), name.size() - prefix.size() - dice);
+  const pid_t process = ascii::parse_number<pid_t>(digits).value_or(0);
+  if (process <= 0 || name[name.size() - dice] != '-') return false;
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0 || !S_ISDIR(status.st_mode)) return false;
   return status.st_uid == ::geteuid() && ::kill(process, 0) != 0 && errno == ESRCH;

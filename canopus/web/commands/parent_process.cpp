@@ -1,7 +1,6 @@
 #include "canopus/web/commands/parent_process.hpp"
 
 #include <cerrno>
-#include <charconv>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -13,6 +12,8 @@
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "canopus/ascii/number.hpp"
 
 namespace canopus::web {
 namespace {
@@ -82,9 +83,8 @@ void split(pid_t parent, const std::filesystem::path& folder) {
 void end_with_parent() {
   const std::string said = taken_variable(parent_variable);
   const std::filesystem::path folder = taken_variable(parent_folder_variable);
-  pid_t parent = 0;
-  const auto [end, error] = std::from_chars(said.data(), said.data() + said.size(), parent);
-  if (error != std::errc() || end != said.data() + said.size() || parent <= 0) return;
+  const pid_t parent = ascii::parse_number<pid_t>(said).value_or(0);
+  if (parent <= 0) return;
   const bool is_ours = folder.is_absolute() && folder.filename().string().starts_with(child_folder_prefix);
   if (is_ours) return split(parent, folder);
   expect_end_of(parent);

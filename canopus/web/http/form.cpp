@@ -1,8 +1,10 @@
 #include "canopus/web/http/form.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
+
+#include "canopus/ascii/hex.hpp"
+#include "canopus/ascii/words.hpp"
 
 namespace canopus::web {
 namespace {
@@ -14,11 +16,9 @@ std::optional<std::string> decoded(std::string_view text) {
       result += text[i] == '+' ? ' ' : text[i];
       continue;
     }
-    const std::string_view digits = text.substr(i + 1, 2);
-    std::uint8_t byte = 0;
-    const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), byte, 16);
-    if (digits.size() != 2 || read.ec != std::errc() || read.ptr != digits.data() + 2) return std::nullopt;
-    result += static_cast<char>(byte);
+    const auto byte = ascii::byte_of_hex(text.substr(i + 1, 2));
+    if (!byte) return std::nullopt;
+    result += static_cast<char>(*byte);
     i += 2;
   }
   return result;
@@ -43,10 +43,9 @@ std::optional<WebForm> read_form(std::string_view body) {
 std::optional<std::string_view> cookie_of(std::string_view field, std::string_view name) noexcept {
   std::optional<std::string_view> found;
   while (!field.empty()) {
-    std::string_view pair = field.substr(0, field.find(';'));
-    field.remove_prefix(std::min(pair.size() + 1, field.size()));
-    while (pair.starts_with(' ') || pair.starts_with('\t')) pair.remove_prefix(1);
-    while (pair.ends_with(' ') || pair.ends_with('\t')) pair.remove_suffix(1);
+    const std::string_view part = field.substr(0, field.find(';'));
+    field.remove_prefix(std::min(part.size() + 1, field.size()));
+    const std::string_view pair = ascii::trim(part);
     const std::size_t sign = pair.find('=');
     if (sign == std::string_view::npos || pair.substr(0, sign) != name) continue;
     if (found) return std::nullopt;

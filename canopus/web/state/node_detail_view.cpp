@@ -1,14 +1,16 @@
 #include "canopus/web/state/node_detail_view.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <iterator>
-#include <optional>
 #include <span>
-#include <vector>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
+#include "canopus/cli/events/event_printer.hpp"
+#include "canopus/cli/events/web_objects.hpp"
+#include "canopus/cli/events/web_view_fields.hpp"
+#include "canopus/cli/terminal/domain_words.hpp"
 #include "canopus/client/domain_words.hpp"
 #include "canopus/plant/catalogue/error_history.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
@@ -40,17 +42,6 @@ text::Json words_of_domain(plant::Plant& plant, std::string_view bus, ViewedObje
   return client::json_of(client::domain_words(object.index, bytes, device));
 }
 
-/// Pairs of hexadecimal digits.
-std::optional<std::vector<std::uint8_t>> bytes_of_digits(std::string_view digits) {
-  std::vector<std::uint8_t> bytes(digits.size() / 2);
-  if (digits.size() % 2 != 0) return std::nullopt;
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    const char* const first = digits.data() + 2 * i;
-    if (std::from_chars(first, first + 2, bytes[i], 16).ptr != first + 2) return std::nullopt;
-  }
-  return bytes;
-}
-
 text::Json json_of(const module::ResetRequest& request) {
   return {{"offered", request.kind != module::ResetRequest::Kind::none}, {"how", request.text}};
 }
@@ -60,7 +51,7 @@ text::Json json_of(const module::ResetRequest& request) {
 std::expected<text::Json, std::string> domain_in_words(plant::Plant& plant, const text::Json& wish) {
   const auto object = object_of_view(view_text(wish, "object"));
   if (!object) return std::unexpected("object: expected INDEX:SUB, as 1F22:03");
-  const auto bytes = bytes_of_digits(view_text(wish, "bytes"));
+  const auto bytes = ascii::bytes_of_hex(view_text(wish, "bytes"));
   if (!bytes) return std::unexpected("bytes: expected pairs of hexadecimal digits");
   const auto bus = wish.find("bus");
   const bool has_bus = bus != wish.end() && bus->is_string();
@@ -99,15 +90,12 @@ std::string domain_event(plant::Plant& plant, const text::Json& wish) {
   event["number"] = number;
   event["bus"] = status.label.bus;
   event["node"] = status.label.node_id;
-  event["object"] = fmt::format("{:04X}:{:02X}", object->index, object->sub);
+  event["object"] = canopen::object_text(object->index, object->sub);
   event["size"] = bytes.size();
   if (wish.contains("part")) {
     const std::size_t from = std::min(view_number(wish, "part", SIZE_MAX), bytes.size());
-    std::string hex;
-    for (const std::uint8_t byte : bytes.subspan(from, std::min(domain_part, bytes.size() - from)))
-      fmt::format_to(std::back_inserter(hex), "{:02X}", byte);
     event["part"] = from;
-    event["hex"] = std::move(hex);
+    event["hex"] = ascii::hex_bytes(bytes.subspan(from, std::min(domain_part, bytes.size() - from)));
   } else {
     event["words"] = words_of_domain(plant, status.label.bus, *object, bytes);
   }

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
-#include <iterator>
 #include <span>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/ascii/number.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/canopen/node/node.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/eds/words.hpp"
@@ -27,10 +28,7 @@ using canopen::DataType;
 constexpr std::size_t most_shown_bytes = 64;
 
 std::string hexadecimal(std::span<const std::uint8_t> bytes) {
-  std::string text;
-  for (const std::uint8_t byte : bytes.first(std::min(bytes.size(), most_shown_bytes)))
-    fmt::format_to(std::back_inserter(text), "{:02X}", byte);
-  return text;
+  return ascii::hex_bytes(bytes.first(std::min(bytes.size(), most_shown_bytes)));
 }
 
 /// As text, so that 64 bits stay whole in JavaScript.
@@ -110,13 +108,11 @@ std::span<const std::uint8_t> bytes_of_object(plant::Plant& plant, std::size_t p
 }
 
 std::optional<ViewedObject> object_of_view(std::string_view text) {
-  unsigned index = 0, sub = 0;
-  const auto digits = [&text](std::size_t from, std::size_t count, unsigned& number) {
-    const char* const end = text.data() + from + count;
-    return std::from_chars(text.data() + from, end, number, 16).ptr == end;
-  };
-  if (text.size() != 7 || text[4] != ':' || !digits(0, 4, index) || !digits(5, 2, sub)) return std::nullopt;
-  return ViewedObject{static_cast<std::uint16_t>(index), static_cast<std::uint8_t>(sub)};
+  if (text.size() != 7 || text[4] != ':') return std::nullopt;
+  const auto index = ascii::parse_number<std::uint16_t>(text.substr(0, 4), 16);
+  const auto sub = ascii::parse_number<std::uint8_t>(text.substr(5), 16);
+  if (!index || !sub) return std::nullopt;
+  return ViewedObject{*index, *sub};
 }
 
 void add_objects(text::Json& event, const canopen::ObjectDictionary& objects, std::uint8_t node_id,
@@ -136,7 +132,7 @@ void add_objects(text::Json& event, const canopen::ObjectDictionary& objects, st
       if (!is_meant && !has_words(own, lower_find)) continue;
       const std::size_t place = all++;
       if (place < from || place - from >= count) continue;
-      text::Json row{{"object", fmt::format("{:04X}:{:02X}", object.index, sub)},
+      text::Json row{{"object", canopen::object_text(object.index, sub)},
                      {"name", own.empty() ? of : own},
                      {"of", of},
                      {"type", eds::name(entry.description->type)},
@@ -171,7 +167,7 @@ std::string meaning_event(plant::Plant& plant, const text::Json& wish) {
   if (!object) return {};
   const trace::ObjectMeaning meaning = trace::object_meaning(object->index, object->sub);
   text::Json event = plant::event_line(plant.timeline().now(), "meaning");
-  event["object"] = fmt::format("{:04X}:{:02X}", object->index, object->sub);
+  event["object"] = canopen::object_text(object->index, object->sub);
   event["meaning"] = meaning.text;
   event["unit"] = meaning.unit;
   event["source"] = meaning.source;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/hex.hpp"
 #include "canopus/can/frame_bits.hpp"
 #include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
@@ -123,13 +124,11 @@ ArbitrationProbe* WebTraffic::wire_of(std::size_t bus) {
 }
 
 void WebTraffic::add_frame(Json& event, std::size_t bus, const Seen& seen) {
-  std::string data;
-  for (const std::uint8_t byte : seen.frame.bytes()) data += fmt::format("{:02X}", byte);
   event["frame"] = {{"can_id", fmt::format("{:0{}X}", seen.frame.identifier, seen.frame.extended ? 8 : 3)},
                     {"at", plant::event_seconds(seen.at)},
                     {"dlc", seen.frame.dlc},
                     {"remote", seen.frame.remote},
-                    {"data", data}};
+                    {"data", ascii::hex_bytes(seen.frame.bytes())}};
   add_bits(event["frame"], seen.frame);
   ArbitrationProbe* const wire = wire_of(bus);
   if (wire == nullptr) return;

@@ -3,16 +3,10 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "canopus/ascii/words.hpp"
 #include "canopus/text/printable.hpp"
 
 namespace canopus::web {
-namespace {
-
-constexpr char lower_letter(char c) noexcept {
-  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
-
-}  // namespace
 
 std::size_t view_number(const text::Json& wish, const char* key, std::size_t most) {
   const auto found = wish.find(key);
@@ -23,13 +17,11 @@ std::size_t view_number(const text::Json& wish, const char* key, std::size_t mos
 std::string view_text(const text::Json& wish, const char* key) {
   const auto found = wish.find(key);
   if (found == wish.end() || !found->is_string()) return {};
-  std::string text = found->get<std::string>();
-  std::ranges::transform(text, text.begin(), lower_letter);
-  return text;
+  return ascii::lower(found->get<std::string>());
 }
 
 bool has_words(std::string_view text, std::string_view lower_words) noexcept {
-  return lower_words.empty() || !std::ranges::search(text, lower_words, {}, lower_letter).empty();
+  return ascii::contains_ignoring_case(text, lower_words);
 }
 
 std::string view_event(const text::Json& event) { return text::printable_json(event.dump()); }

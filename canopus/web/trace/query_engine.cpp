@@ -5,6 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/cli/analysis/message_printer.hpp"
+#include "canopus/cli/analysis/statistics_json.hpp"
 #include "canopus/text/base64.hpp"
 #include "canopus/trace/file/file_format.hpp"
 #include "canopus/trace/print/message_printer.hpp"
@@ -142,7 +145,7 @@ TraceQueryEngine::Json TraceQueryEngine::look_at_frames(std::uint64_t last) {
       lines.push_back({number, Json{{"record", number},
                                     {"t", can::seconds(message.time)},
                                     {"id", fmt::format("{:03X}", message.frame.identifier)},
-                                    {"data", hex_digits(message.frame.bytes())},
+                                    {"data", ascii::hex_bytes(message.frame.bytes())},
                                     {"text", message.text}}});
     });
     if (ends && number != last) lines.clear();

@@ -1,11 +1,12 @@
 #include "canopus/web/trace/rows.hpp"
 
 #include <algorithm>
-#include <span>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/hex.hpp"
+#include "canopus/cli/analysis/message_printer.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/trace/print/message_printer.hpp"
 
@@ -24,12 +25,6 @@ bool is_trouble_of(const Message& message) {
 }
 
 }  // namespace
-
-std::string hex_digits(std::span<const std::uint8_t> bytes) {
-  std::string digits;
-  for (const std::uint8_t byte : bytes) fmt::format_to(std::back_inserter(digits), "{:02X}", byte);
-  return digits;
-}
 
 TraceRows::TraceRows(const trace::Names& names, const std::vector<std::string>& buses,
                      trace::FilterExpression filter, bool folded)
@@ -141,7 +136,7 @@ text::Json TraceRows::row(std::uint64_t number, const TraceStore& store) const {
     const can::Frame& frame = store.at(row.record).frame;
     json["dlc"] = frame.dlc;
     if (frame.remote) json["remote"] = true;
-    json["data"] = hex_digits(frame.bytes());
+    json["data"] = ascii::hex_bytes(frame.bytes());
   }
   return json;
 }

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <deque>
 #include <set>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -89,8 +88,5 @@ class TraceRows {
   std::uint64_t end_ = 0;
   std::uint64_t next_ = 0;
 };
-
-/// Bytes of a frame as hexadecimal digits.
-[[nodiscard]] std::string hex_digits(std::span<const std::uint8_t> bytes);
 
 }  // namespace canopus::web

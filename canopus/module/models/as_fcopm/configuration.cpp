@@ -1,11 +1,10 @@
 #include "canopus/module/models/as_fcopm/configuration.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <set>
 #include <string_view>
 
+#include "canopus/ascii/hex.hpp"
 #include "canopus/manager/boot/concise_dcf.hpp"
 #include "canopus/module/models/as_fcopm/register_table.hpp"
 
@@ -25,11 +24,7 @@ std::optional<std::uint16_t> cob_id_of(const SlavePdo& pdo, std::uint8_t node_id
   return static_cast<std::uint16_t>(first + identifiers_per_pdo * (pdo.number - 1U) + node_id);
 }
 
-std::string hexadecimal(unsigned number) {
-  std::array<char, 12> text{};
-  const int length = std::snprintf(text.data(), text.size(), "%03XH", number);
-  return {text.data(), static_cast<std::size_t>(length)};
-}
+std::string hexadecimal(unsigned number) { return ascii::hex(number, 3) + 'H'; }
 
 struct Checker {
   std::vector<std::string> sentences{};
