@@ -1,9 +1,13 @@
 // Commands that work on the file of a project alone.
 
+#include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/cli/module_settings/configure_command.hpp"
 #include "canopus/cli/module_settings/project_access.hpp"
@@ -69,25 +73,31 @@ int change_project(const std::string& path, const std::string& title, Change cha
   return configure_code::done;
 }
 
+/// "A100:01:16": index, sub-index and bits.
+std::optional<std::uint32_t> parse_mapped_object(std::string_view text) {
+  const std::size_t first = std::min(text.find(':'), text.size());
+  const std::size_t second = std::min(text.find(':', first + 1), text.size());
+  if (first > 4 || second - first > 3 || text.size() - second > 3 || second == text.size())
+    return std::nullopt;
+  const auto index = ascii::parse_number<std::uint16_t>(text.substr(0, first), 16);
+  const auto sub = ascii::parse_number<std::uint8_t>(text.substr(first + 1, second - first - 1), 16);
+  const auto bits = ascii::parse_number<std::uint8_t>(text.substr(second + 1));
+  if (!index || !sub || !bits) return std::nullopt;
+  return std::uint32_t{*index} << 16 | std::uint32_t{*sub} << 8 | *bits;
+}
+
 /// "A100:01:16 A100:02:16", separated by spaces or commas; "" for nothing.
-std::expected<std::vector<std::uint32_t>, std::string> parse_mapping(std::string text) {
+std::expected<std::vector<std::uint32_t>, std::string> parse_mapping(std::string_view text) {
+  const auto is_between = [](char c) { return c == ' ' || c == ','; };
   std::vector<std::uint32_t> mapping;
-  for (char& character : text) {
-    if (character == ',') character = ' ';
-  }
-  std::size_t at = 0;
-  while ((at = text.find_first_not_of(' ', at)) != std::string::npos) {
-    const std::size_t end = std::min(text.find(' ', at), text.size());
-    const std::string entry = text.substr(at, end - at);
-    unsigned index = 0, sub = 0, bits = 0;
-    int used = 0;
-    if (std::sscanf(entry.c_str(), "%4x:%2x:%2u%n", &index, &sub, &bits, &used) != 3 ||
-        static_cast<std::size_t>(used) != entry.size()) {
+  for (auto word = ascii::take_word(text, is_between); !word.empty();
+       word = ascii::take_word(text, is_between)) {
+    const auto entry = parse_mapped_object(word);
+    if (!entry) {
       return std::unexpected(
-          fmt::format("\"{}\" is no mapped object; expected INDEX:SUB:BITS, as A100:01:16", entry));
+          fmt::format("\"{}\" is no mapped object; expected INDEX:SUB:BITS, as A100:01:16", word));
     }
-    mapping.push_back(index << 16 | sub << 8 | bits);
-    at = end;
+    mapping.push_back(*entry);
   }
   return mapping;
 }
