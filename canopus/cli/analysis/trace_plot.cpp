@@ -6,9 +6,7 @@
 #include <memory>
 
 #include "canopus/canopen/dictionary/object_text.hpp"
-#include "canopus/cli/analysis/analysis_names.hpp"
 #include "canopus/cli/analysis/names_options.hpp"
-#include "canopus/cli/analysis/picture_signal.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include "canopus/ascii/hex.hpp"
-#include "canopus/cli/terminal/boot_report.hpp"
 #include "canopus/plant/events/boot_report.hpp"
 #include "canopus/plant/file/process_value.hpp"
 #include "canopus/text/json.hpp"

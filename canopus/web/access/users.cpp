@@ -12,7 +12,6 @@
 #include <unistd.h>
 
 #include "canopus/ascii/words.hpp"
-#include "canopus/serve/web/web_password.hpp"
 #include "canopus/web/access/password.hpp"
 
 namespace canopus::web {

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "canopus/ascii/words.hpp"
-#include "canopus/cli/web/web_command_table.hpp"
 #include "canopus/text/printable.hpp"
 #include "canopus/text/shortened.hpp"
 #include "canopus/web/commands/command_table.hpp"

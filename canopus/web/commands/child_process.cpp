@@ -17,7 +17,6 @@
 #include <unistd.h>
 
 #include "canopus/ascii/number.hpp"
-#include "canopus/cli/web/parent_process.hpp"
 #include "canopus/web/commands/parent_process.hpp"
 
 namespace canopus::web {

@@ -7,10 +7,6 @@
 
 #include "canopus/ascii/hex.hpp"
 #include "canopus/canopen/dictionary/object_text.hpp"
-#include "canopus/cli/events/event_printer.hpp"
-#include "canopus/cli/events/web_objects.hpp"
-#include "canopus/cli/events/web_view_fields.hpp"
-#include "canopus/cli/terminal/domain_words.hpp"
 #include "canopus/client/domain_words.hpp"
 #include "canopus/plant/catalogue/error_history.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"

@@ -6,11 +6,7 @@
 
 #include "canopus/ascii/hex.hpp"
 #include "canopus/can/frame_bits.hpp"
-#include "canopus/cli/events/event_printer.hpp"
-#include "canopus/cli/events/web_view_fields.hpp"
 #include "canopus/plant/events/event_printer.hpp"
-#include "canopus/sim/bus/bit_controller.hpp"
-#include "canopus/sim/bus/bit_stream.hpp"
 #include "canopus/sim/bus/controller/bit_controller.hpp"
 #include "canopus/sim/bus/controller/bit_stream.hpp"
 #include "canopus/web/state/view_fields.hpp"

@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 
 #include "canopus/ascii/hex.hpp"
-#include "canopus/cli/analysis/message_printer.hpp"
-#include "canopus/cli/analysis/statistics_json.hpp"
 #include "canopus/text/base64.hpp"
 #include "canopus/trace/file/file_format.hpp"
 #include "canopus/trace/print/message_printer.hpp"

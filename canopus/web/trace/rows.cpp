@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "canopus/ascii/hex.hpp"
-#include "canopus/cli/analysis/message_printer.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/trace/print/message_printer.hpp"
 
