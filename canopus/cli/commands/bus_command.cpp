@@ -49,9 +49,4 @@ int complain_of(BusLoop::End end, const BusLoop& bus, std::string_view time_over
   return exit_code::done;
 }
 
-unsigned parse_node(std::string_view text) {
-  const unsigned node = ascii::parse_number_with_prefix<unsigned>(text).value_or(0);
-  return node <= 127 ? node : 0;
-}
-
 }  // namespace canopus::cli

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/client/node_id.hpp"
 #include "canopus/link/bus_loop.hpp"
 
 namespace canopus::cli {
@@ -48,7 +49,6 @@ int with_bus(const BusOptions& options, const std::function<int(BusLoop&, can::D
 /// Complains about an end of BusLoop::run() other than done; `time_over` is what to say of that.
 int complain_of(BusLoop::End end, const BusLoop& bus, std::string_view time_over);
 
-/// A node-ID, 1..127, decimal or 0x..; 0 when it is none.
-[[nodiscard]] unsigned parse_node(std::string_view text);
+using client::parse_node;
 
 }  // namespace canopus::cli

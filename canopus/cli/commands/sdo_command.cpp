@@ -16,7 +16,7 @@
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/terminal/device_names.hpp"
-#include "canopus/client/domain_words.hpp"
+#include "canopus/client/sdo_request.hpp"
 #include "canopus/client/sdo_transfer_on_bus.hpp"
 #include "canopus/client/sdo_value.hpp"
 #include "canopus/text/byte_size.hpp"
@@ -40,53 +40,15 @@ struct SdoArguments {
   bool block = false;
 };
 
-/// What both commands need before they join the bus.
-struct Target {
-  std::uint8_t node = 0;
-  text::ObjectName object;
-  std::optional<canopen::DataType> type;
-  std::shared_ptr<const eds::DeviceFile> device;  ///< of names; null: none was given
+using client::SdoTarget;
 
-  [[nodiscard]] std::string object_text() const { return canopen::object_text(object.index, object.sub); }
-};
-
-std::expected<Target, std::string> target_of(const SdoArguments& arguments) {
-  Target target;
-  target.node = static_cast<std::uint8_t>(parse_node(arguments.node));
-  if (target.node == 0) {
-    return std::unexpected(fmt::format("\"{}\" is not a node; expected a node-ID 1 to 127", arguments.node));
-  }
-  const auto object = text::parse_object(arguments.object);
-  if (!object) return std::unexpected(object.error());
-  target.object = *object;
-  if (!arguments.type.empty()) {
-    target.type = client::parse_type(arguments.type);
-    if (!target.type) {
-      return std::unexpected(fmt::format("--type: \"{}\" is not a type{}", arguments.type,
-                                         text::suggestion(arguments.type, client::type_names())));
-    }
-  }
-  if (!arguments.eds.empty()) {
-    auto device = device_file_of_names(arguments.eds);
-    if (!device) return std::unexpected("--eds: " + device.error());
-    target.device = std::move(*device);
-  }
+std::expected<SdoTarget, std::string> target_of(const SdoArguments& arguments) {
+  auto target = SdoTarget::parse(arguments.node, arguments.object, arguments.type);
+  if (!target || arguments.eds.empty()) return target;
+  const auto device = device_file_of_names(arguments.eds);
+  if (!device) return std::unexpected("--eds: " + device.error());
+  target->names = (*device)->dictionary;
   return target;
-}
-
-/// Whether a value is shown as domain_words() says: one of type domain, a concise DCF, and many bytes of no type.
-bool is_domain(const Target& target, std::span<const std::uint8_t> bytes) {
-  constexpr std::size_t many = 32;
-  if (target.type) return *target.type == canopen::DataType::domain;
-  if (target.object.index == client::concise_dcf_object) return target.object.sub != 0;
-  return bytes.size() > many && std::ranges::any_of(bytes, [](std::uint8_t byte) {
-           return byte < 0x20 || byte >= 0x7F;  // else it is a text
-         });
-}
-
-client::DomainWords words_of(const Target& target, std::span<const std::uint8_t> bytes) {
-  return client::domain_words(target.object.index, bytes,
-                              target.device ? target.device->dictionary.get() : nullptr);
 }
 
 /// How fast it went; of what goes in one frame nobody asks.
@@ -118,23 +80,16 @@ class ProgressLine {
   bool shown_ = false;
 };
 
-int failed(const SdoArguments& arguments, const Target& target, const client::SdoFailure& failure) {
+int failed(const SdoArguments& arguments, const SdoTarget& target, const client::SdoFailure& failure) {
   if (arguments.bus.json) {
-    text::Json line;
-    line["node"] = target.node;
-    line["object"] = target.object_text();
-    if (failure.code != canopen::AbortCode::none) {
-      line["abort"] = fmt::format("{:08X}", static_cast<std::uint32_t>(client::abort_on_bus(failure.code)));
-    }
-    line["reason"] = failure.reason;
-    print_json(line);
+    print_json(client::row_of(target, failure));
     return exit_code::failed;
   }
   return complain(exit_code::failed,
                   fmt::format("node {}, {}: {}", target.node, target.object_text(), failure.reason));
 }
 
-int print_value(const SdoArguments& arguments, const Target& target, std::span<const std::uint8_t> bytes,
+int print_value(const SdoArguments& arguments, const SdoTarget& target, std::span<const std::uint8_t> bytes,
                 const client::SdoSpeed& speed) {
   if (arguments.raw) {
     standard_output().content({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
@@ -155,26 +110,11 @@ int print_value(const SdoArguments& arguments, const Target& target, std::span<c
     return exit_code::done;
   }
   if (arguments.bus.json) {
-    text::Json line;
-    line["node"] = target.node;
-    line["object"] = target.object_text();
-    line["bytes"] = client::hexadecimal(bytes, "");
-    if (target.type) {
-      line["type"] = arguments.type;
-      line["value"] = client::json_value(bytes, *target.type);
-    }
-    if (is_domain(target, bytes)) {
-      line["domain"] = client::json_of(words_of(target, bytes));
-      line["transfer"] = {{"bytes", speed.bytes},
-                          {"seconds", can::seconds(can::Time{speed.time})},
-                          {"form", client::name(speed.form)},
-                          {"text", client::describe(speed)}};
-    }
-    print_json(line);
+    print_json(client::row_of(target, bytes, speed));
     return exit_code::done;
   }
-  if (is_domain(target, bytes)) {
-    const auto lines = client::lines_of(words_of(target, bytes));
+  if (client::is_domain(target, bytes)) {
+    const auto lines = client::lines_of(client::words_of(target, bytes));
     print_line("{}  {}", target.object_text(), lines.front());
     for (const std::string& line : lines | std::views::drop(1)) print_line("{}", line);
     print_speed(speed);
@@ -232,19 +172,12 @@ std::expected<std::vector<std::uint8_t>, std::string> file_content(const std::st
 }
 
 std::expected<std::vector<std::uint8_t>, std::string> bytes_to_write(const SdoArguments& arguments,
-                                                                     const Target& target) {
+                                                                     const SdoTarget& target) {
   if (!arguments.file.empty()) {
     if (!arguments.value.empty()) return std::unexpected("either a VALUE or --file, not both");
     return file_content(arguments.file);
   }
-  if (arguments.value.empty() && target.type != canopen::DataType::visible_string) {
-    return std::unexpected("what is to be written? Give a VALUE, or --file");
-  }
-  if (target.type) return client::encode_value(arguments.value, *target.type);
-  if (arguments.raw) return client::encode_value(arguments.value, canopen::DataType::octet_string);
-  return std::unexpected(
-      fmt::format("which type has the value? Give --type {}, or --raw for bytes in hexadecimal",
-                  text::one_of(client::type_names())));
+  return client::bytes_of_value(target, arguments.value, arguments.raw);
 }
 
 int write(const SdoArguments& arguments) {

@@ -1,0 +1,54 @@
+#pragma once
+// An SDO transfer as a person asks for it, in words, and its answer as a JSON row: the same for `canopus sdo` and for the page.
+
+#include <cstdint>
+#include <expected>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/canopen/dictionary/data_type.hpp"
+#include "canopus/canopen/dictionary/dictionary_description.hpp"
+#include "canopus/client/domain_words.hpp"
+#include "canopus/client/sdo_transfer.hpp"
+#include "canopus/text/json.hpp"
+#include "canopus/text/text_values.hpp"
+
+namespace canopus::client {
+
+/// The object that is read or written, and how its value is shown.
+struct SdoTarget {
+  std::uint8_t node = 0;
+  text::ObjectName object{};
+  std::optional<canopen::DataType> type{};  ///< nothing: bytes
+  std::string type_name{};                  ///< as it was said
+  /// Of the node that a concise DCF is for: names and types; may be null.
+  std::shared_ptr<const canopen::DictionaryDescription> names{};
+
+  /// `type`: empty: none. The error is a sentence.
+  [[nodiscard]] static std::expected<SdoTarget, std::string> parse(std::string_view node,
+                                                                   const std::string& object,
+                                                                   const std::string& type);
+  /// "1017:00"
+  [[nodiscard]] std::string object_text() const;
+};
+
+/// A value as it is written, of the type or, without one, where `raw`, of bytes in hexadecimal. The error is a sentence.
+[[nodiscard]] std::expected<std::vector<std::uint8_t>, std::string> bytes_of_value(const SdoTarget& target,
+                                                                                   const std::string& value,
+                                                                                   bool raw);
+
+/// Whether a value is shown as domain_words() has it: one of type domain, a concise DCF, and many bytes of no type.
+[[nodiscard]] bool is_domain(const SdoTarget& target, std::span<const std::uint8_t> bytes);
+[[nodiscard]] DomainWords words_of(const SdoTarget& target, std::span<const std::uint8_t> bytes);
+
+/// {"node", "object", "bytes"}, with a type "type" and "value"; where is_domain() "domain" and "transfer".
+[[nodiscard]] text::Json row_of(const SdoTarget& target, std::span<const std::uint8_t> bytes,
+                                const SdoSpeed& speed);
+/// {"node", "object", "abort", "reason"}; the bus has no abort code.
+[[nodiscard]] text::Json row_of(const SdoTarget& target, const SdoFailure& failure);
+
+}  // namespace canopus::client
