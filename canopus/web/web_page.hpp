@@ -19,6 +19,7 @@
 #include "canopus/text/text_values.hpp"
 #include "canopus/web/access/access_files.hpp"
 #include "canopus/web/access/audit.hpp"
+#include "canopus/web/commands/bus_commands.hpp"
 #include "canopus/web/commands/commands.hpp"
 #include "canopus/web/commands/faults.hpp"
 #include "canopus/web/commands/modules.hpp"
@@ -87,6 +88,7 @@ class WebPage {
   std::optional<WebStart> start_;
   WebFaults faults_;
   WebModules modules_;
+  BusCommands bus_commands_;
   WebCommands commands_;
   WebServer server_;
 };

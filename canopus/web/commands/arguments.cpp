@@ -153,6 +153,7 @@ std::expected<WebCommandLine, std::string> web_command_line(const Json& wish, co
     return std::unexpected(fmt::format("{}: commands cannot join the bus {}", command.title, bus.name));
   }
   WebCommandLine line = begin_line(command);
+  line.bus = bus.name;
   if (command.has_project && bus.network != 1)
     line.arguments.push_back(fmt::format("--network={}", bus.network));
   if (command.joins_bus) line.arguments.push_back("--bus=" + bus.address);

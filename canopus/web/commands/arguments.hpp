@@ -28,6 +28,7 @@ struct WebBus {
 
 struct WebCommandLine {
   std::string title{};  ///< "project set"
+  std::string bus{};    ///< that it is for; empty: for module settings
   WebRole role = WebRole::look;
   bool joins_bus = false;
   bool writes_to_bus = false;

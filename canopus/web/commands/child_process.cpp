@@ -149,11 +149,11 @@ ChildProcess::ChildProcess(boost::asio::io_context& io, pid_t process, int outpu
 
 ChildProcess::~ChildProcess() { stop(); }
 
-void ChildProcess::interrupt() const noexcept {
+void ChildProcess::interrupt() noexcept {
   if (process_ > 0) ::kill(process_, SIGINT);
 }
 
-void ChildProcess::kill() const noexcept {
+void ChildProcess::kill() noexcept {
   // And what it has started itself, which would hold its output open.
   if (process_ > 0) ::kill(-process_, SIGKILL);
 }

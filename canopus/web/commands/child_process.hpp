@@ -16,9 +16,11 @@
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <sys/types.h>
 
+#include "canopus/web/commands/running_command.hpp"
+
 namespace canopus::web {
 
-class ChildProcess : public std::enable_shared_from_this<ChildProcess> {
+class ChildProcess final : public RunningCommand, public std::enable_shared_from_this<ChildProcess> {
  public:
   static constexpr std::size_t longest_line = 4U << 20;     ///< a longer one ends the process
   static constexpr std::size_t longest_errors = 64U << 10;  ///< of its standard error; the rest is left out
@@ -44,16 +46,14 @@ class ChildProcess : public std::enable_shared_from_this<ChildProcess> {
   [[nodiscard]] static std::expected<std::shared_ptr<ChildProcess>, std::string> start(
       boost::asio::io_context& io, const std::string& program, const std::vector<std::string>& arguments,
       Use use);
-  ~ChildProcess();
+  ~ChildProcess() override;
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// As Ctrl-C does; `ended` comes.
-  void interrupt() const noexcept;
-  /// Ends it at once, whatever it does; `ended` comes.
-  void kill() const noexcept;
-  /// Ends it, and waits until it has gone; `ended` does not come.
-  void stop() noexcept;
+  void interrupt() noexcept override;
+  void kill() noexcept override;
+  /// Waits until it has gone, too.
+  void stop() noexcept override;
 
  private:
   using Descriptor = boost::asio::posix::stream_descriptor;

@@ -57,7 +57,7 @@ const Place* place_of(const std::vector<Place>& all, std::string Place::*name, c
 }  // namespace
 
 WebCommands::~WebCommands() {
-  if (child_) child_->stop();
+  if (running_) running_->stop();
   std::error_code ignored;
   for (const Job& job : jobs_) {
     if (!job.folder.empty()) fs::remove_all(job.folder, ignored);
@@ -219,8 +219,8 @@ void WebCommands::stop(const WebUser& user, const text::Json& wish, std::uint32_
   send(reply, std::move(event));
   if (job == jobs_.end()) return;
   job->is_stopped = true;
-  if (job == jobs_.begin() && child_) {
-    child_->interrupt();
+  if (job == jobs_.begin() && running_) {
+    running_->interrupt();
     return extend_timeouts(use_.grace);
   }
   const Job taken = std::move(*job);
@@ -283,14 +283,19 @@ void WebCommands::choose_next() {
   turns_[fairness_key(jobs_.front().user)] = ++turn_;
 }
 
-std::expected<std::shared_ptr<ChildProcess>, std::string> WebCommands::start(const Job& job) {
+std::expected<std::shared_ptr<RunningCommand>, std::string> WebCommands::start(const Job& job) {
+  RunningCommand::Use use{.line =
+                              [this](std::string line) {
+                                if (text::parse_json(line)) jobs_.front().rows.push_back(std::move(line));
+                                tell_rows(false);
+                              },
+                          .ended = [this](int code, const std::string& errors) { ended(code, errors); }};
+  if (use_.on_bus) {
+    if (auto running = use_.on_bus(job.line, use)) return running;
+  }
   return ChildProcess::start(io_, use_.program, job.line.arguments,
-                             {.line =
-                                  [this](std::string line) {
-                                    if (text::parse_json(line)) jobs_.front().rows.push_back(std::move(line));
-                                    tell_rows(false);
-                                  },
-                              .ended = [this](int code, const std::string& errors) { ended(code, errors); },
+                             {.line = std::move(use.line),
+                              .ended = std::move(use.ended),
                               .most_output = use_.most_output,
                               .folder = job.folder});
 }
@@ -299,11 +304,11 @@ std::expected<std::shared_ptr<ChildProcess>, std::string> WebCommands::start(con
 void WebCommands::extend_timeouts(std::chrono::milliseconds time) {
   patience_.expires_after(time);
   patience_.async_wait([this, turn = turn_](const boost::system::error_code& error) {
-    if (error || !child_ || turn != turn_) return;
+    if (error || !running_ || turn != turn_) return;
     Job& job = jobs_.front();
-    if (job.is_stopped || job.is_late) return child_->kill();
+    if (job.is_stopped || job.is_late) return running_->kill();
     job.is_late = true;
-    child_->interrupt();
+    running_->interrupt();
     extend_timeouts(use_.grace);
   });
 }
@@ -314,12 +319,12 @@ void WebCommands::start_next() {
     Job& job = jobs_.front();
     std::string wrong = make_file(job);
     if (wrong.empty()) {
-      auto child = start(job);
-      if (child) {
-        child_ = std::move(*child);
+      auto running = start(job);
+      if (running) {
+        running_ = std::move(*running);
         return extend_timeouts(job.line.joins_bus ? use_.longest_on_bus : use_.longest_with_files);
       }
-      wrong = child.error();
+      wrong = running.error();
     }
     const Job failed = std::move(job);
     jobs_.pop_front();
@@ -356,7 +361,7 @@ void WebCommands::ended(int code, const std::string& errors) {
   if (!jobs_.front().rows.empty()) tell_rows(true);
   Job job = std::move(jobs_.front());
   jobs_.pop_front();
-  child_.reset();
+  running_.reset();
   patience_.cancel();
   Json event = event_of(job.id);
   if (job.is_stopped || job.is_late) code = web_code::stopped;

@@ -1,5 +1,6 @@
 #pragma once
-// What people do on the page: commands of `canopus`, run beside the plant one after the other, their answers as events
+// What people do on the page: commands of `canopus`, one after the other, as a child process or, on a simulated bus of this process,
+// by a client there (bus_commands.hpp); their answers as events
 // (docs/web.md). Who may: by the role; what writes on a live bus only while it is armed.
 
 #include <chrono>
@@ -58,8 +59,11 @@ class WebCommands {
     std::vector<WebBus> buses{};
     std::vector<WebSettings> settings{};
     std::map<std::string, Own, std::less<>> own{};  ///< by name
-    std::string program = ChildProcess::itself;     ///< that runs the others
-    std::function<can::Time()> now{};               ///< the plant's time, for `t` of events
+    /// Carries out a command on a bus of this process; nullptr: it is none of those. Without the function there is none.
+    std::function<std::shared_ptr<RunningCommand>(const WebCommandLine& line, RunningCommand::Use use)>
+        on_bus{};
+    std::string program = ChildProcess::itself;  ///< that runs the others
+    std::function<can::Time()> now{};            ///< the plant's time, for `t` of events
     /// How long a command may take: with files alone, and on a bus. Then it is stopped, and `grace` later killed.
     std::chrono::milliseconds longest_with_files = std::chrono::minutes(2);
     std::chrono::milliseconds longest_on_bus = std::chrono::hours(1);
@@ -122,7 +126,7 @@ class WebCommands {
   [[nodiscard]] bool has_room_for(const WebUser& user) const;
   void start_next();
   void choose_next();
-  [[nodiscard]] std::expected<std::shared_ptr<ChildProcess>, std::string> start(const Job& job);
+  [[nodiscard]] std::expected<std::shared_ptr<RunningCommand>, std::string> start(const Job& job);
   void extend_timeouts(std::chrono::milliseconds time);
   [[nodiscard]] std::string make_file(Job& job) const;
   void ended(int code, const std::string& errors);
@@ -137,7 +141,7 @@ class WebCommands {
   std::map<std::string, std::uint64_t> turns_;  // of each user: when one of his was started last
   std::uint64_t turn_ = 0;
   std::deque<Job> jobs_;  // the first one runs
-  std::shared_ptr<ChildProcess> child_;
+  std::shared_ptr<RunningCommand> running_;
   bool is_batched_ = false;
   std::chrono::steady_clock::time_point armed_until_{};
 };
