@@ -18,7 +18,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "canopus/cli/command_line.hpp"
+#include "canopus/cli/app/command_line.hpp"
 
 namespace {
 

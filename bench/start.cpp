@@ -21,7 +21,7 @@
 
 #include "canopus/can/timeline.hpp"
 #include "canopus/canopen/service/nmt.hpp"
-#include "canopus/cli/command_line.hpp"
+#include "canopus/cli/app/command_line.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/commands/scan_command.hpp"
+#include "canopus/cli/bus/scan_command.hpp"
 
 #include "support/device_bus.hpp"
 

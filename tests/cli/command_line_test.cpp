@@ -1,6 +1,6 @@
 // What the program says to somebody who mistyped something.
 
-#include "canopus/cli/command_line.hpp"
+#include "canopus/cli/app/command_line.hpp"
 
 #include <string>
 #include <vector>

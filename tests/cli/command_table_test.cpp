@@ -8,10 +8,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/cli/app/completion_script.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/options/parser.hpp"
-#include "canopus/cli/reference/completion_script.hpp"
 
 namespace canopus::cli::command_table_test {
 namespace {

@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>
 
-#include "canopus/cli/commands/eds_command.hpp"
-#include "canopus/cli/terminal/device_names.hpp"
+#include "canopus/cli/files/eds_command.hpp"
+#include "canopus/cli/output/device_names.hpp"
 #include "canopus/manager/boot/concise_dcf.hpp"
 
 #include "paths.hpp"

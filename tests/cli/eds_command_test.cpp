@@ -1,6 +1,6 @@
 // `canopus eds check`
 
-#include "canopus/cli/commands/eds_command.hpp"
+#include "canopus/cli/files/eds_command.hpp"
 
 #include <filesystem>
 #include <fstream>

@@ -1,6 +1,6 @@
 // `canopus eds show`.
 
-#include "canopus/cli/commands/eds_show.hpp"
+#include "canopus/cli/files/eds_show.hpp"
 
 #include <sstream>
 

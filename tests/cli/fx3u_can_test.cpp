@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "canopus/cli/command_line.hpp"
-#include "canopus/cli/commands/module_command.hpp"
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/app/command_line.hpp"
+#include "canopus/cli/output/print.hpp"
+#include "canopus/cli/plc/module_command.hpp"
 
 #include "paths.hpp"
 

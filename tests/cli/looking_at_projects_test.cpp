@@ -12,7 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/command_line.hpp"
+#include "canopus/cli/app/command_line.hpp"
 #include "canopus/master/network_file.hpp"
 #include "canopus/store/file_memory.hpp"
 #include "canopus/store/folder_lock.hpp"

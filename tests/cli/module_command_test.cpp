@@ -1,4 +1,4 @@
-#include "canopus/cli/commands/module_command.hpp"
+#include "canopus/cli/plc/module_command.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
-#include "canopus/cli/commands/module_status.hpp"
+#include "canopus/cli/plc/module_status.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/module/models/me3can1_q/object_table.hpp"
 #include "canopus/module/storage/flash_memory.hpp"

@@ -1,6 +1,6 @@
 // Who prints never waits for a reader who does not read; nothing is lost without a word about it.
 
-#include "canopus/cli/terminal/output_queue.hpp"
+#include "canopus/cli/output/output_queue.hpp"
 
 #include <array>
 #include <atomic>

@@ -1,6 +1,6 @@
 // `canopus plc` against the server in a thread of its own, and how addresses and values are written.
 
-#include "canopus/cli/commands/plc_command.hpp"
+#include "canopus/cli/plc/plc_command.hpp"
 
 #include <string>
 #include <thread>

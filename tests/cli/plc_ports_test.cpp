@@ -11,9 +11,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/commands/plc_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/parser.hpp"
+#include "canopus/cli/plc/plc_command.hpp"
 #include "canopus/client/plc_point.hpp"
 #include "canopus/plc/modbus/as300_map.hpp"
 #include "canopus/serve/melsec_server.hpp"

@@ -1,6 +1,6 @@
 // Everything the program prints goes through print.hpp, which lets nothing control the terminal but paint().
 
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/print.hpp"
 
 #include <algorithm>
 #include <cctype>

@@ -4,10 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/cli/app/completion_script.hpp"
+#include "canopus/cli/app/manual_page.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
-#include "canopus/cli/reference/completion_script.hpp"
-#include "canopus/cli/reference/manual_page.hpp"
 
 namespace canopus::cli::reference_test {
 namespace {

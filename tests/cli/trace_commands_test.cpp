@@ -14,10 +14,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "canopus/cli/command_line.hpp"
-#include "canopus/cli/terminal/channel_choice.hpp"
-#include "canopus/cli/terminal/new_file.hpp"
-#include "canopus/cli/terminal/same_file.hpp"
+#include "canopus/cli/app/command_line.hpp"
+#include "canopus/cli/output/channel_choice.hpp"
+#include "canopus/cli/output/new_file.hpp"
+#include "canopus/cli/output/same_file.hpp"
 
 #include "paths.hpp"
 

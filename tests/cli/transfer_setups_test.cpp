@@ -1,6 +1,6 @@
 // Transfer setups: their file, `canopus configure setup`, and --setup of commands that reach a PLC.
 
-#include "canopus/cli/setups/transfer_setups.hpp"
+#include "canopus/cli/plc/transfer_setups.hpp"
 
 #include <cstdlib>
 #include <filesystem>
@@ -16,10 +16,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/commands/plc_command.hpp"
 #include "canopus/cli/module_settings/configure_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/parser.hpp"
+#include "canopus/cli/plc/plc_command.hpp"
 #include "canopus/serve/melsec_server.hpp"
 #include "canopus/store/folder_lock.hpp"
 

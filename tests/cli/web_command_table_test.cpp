@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "canopus/cli/command_line.hpp"
+#include "canopus/cli/app/command_line.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/web/commands/arguments.hpp"
 #include "canopus/web/commands/command_table.hpp"

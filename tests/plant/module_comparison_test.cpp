@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/commands/module_compare.hpp"
-#include "canopus/cli/commands/module_words.hpp"
+#include "canopus/cli/plc/module_compare.hpp"
+#include "canopus/cli/plc/module_words.hpp"
 
 #include "paths.hpp"
 

@@ -1,6 +1,6 @@
 // Words of a module's buffer memory by the names of its manual.
 
-#include "canopus/cli/commands/module_words.hpp"
+#include "canopus/cli/plc/module_words.hpp"
 
 #include <set>
 

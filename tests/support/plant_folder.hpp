@@ -13,7 +13,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/commands/check_command.hpp"
+#include "canopus/cli/files/check_command.hpp"
 #include "canopus/plant/plant_loading.hpp"
 
 namespace canopus::support {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "canopus/cli/commands/plc_access.hpp"
+#include "canopus/cli/plc/plc_access.hpp"
 #include "canopus/module_settings/module_transfer.hpp"
 
 namespace canopus::cli {

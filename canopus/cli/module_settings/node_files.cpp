@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/terminal/device_names.hpp"
+#include "canopus/cli/output/device_names.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/text/file_text.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/cli/module_settings/configure_command.hpp"
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/print.hpp"
 #include "canopus/module_settings/mappable_objects.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/text/json.hpp"

@@ -12,7 +12,7 @@
 #include "canopus/cli/module_settings/configure_command.hpp"
 #include "canopus/cli/module_settings/project_access.hpp"
 #include "canopus/cli/module_settings/project_files.hpp"
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/print.hpp"
 #include "canopus/module_settings/module_project.hpp"
 #include "canopus/module_settings/recent_projects.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"

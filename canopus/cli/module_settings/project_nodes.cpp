@@ -8,7 +8,7 @@
 #include "canopus/cli/module_settings/node_files.hpp"
 #include "canopus/cli/module_settings/project_access.hpp"
 #include "canopus/cli/module_settings/project_files.hpp"
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/print.hpp"
 #include "canopus/text/json.hpp"
 
 namespace canopus::cli {

@@ -13,7 +13,7 @@
 #include "canopus/cli/module_settings/project_access.hpp"
 #include "canopus/cli/module_settings/project_files.hpp"
 #include "canopus/cli/module_settings/shown_data.hpp"
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/print.hpp"
 #include "canopus/client/plc_module.hpp"
 #include "canopus/plant/catalogue/error_history.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"

@@ -4,7 +4,7 @@
 
 #include <unistd.h>
 
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/print.hpp"
 
 namespace canopus::cli {
 namespace {

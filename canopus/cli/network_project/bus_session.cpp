@@ -9,7 +9,7 @@
 
 #include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/canopen/service/nmt.hpp"
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/print.hpp"
 #include "canopus/client/sdo_value.hpp"
 #include "canopus/text/json.hpp"
 

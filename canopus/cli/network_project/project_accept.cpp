@@ -9,7 +9,7 @@
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/cli/network_project/bus_objects.hpp"
 #include "canopus/cli/network_project/project_command.hpp"
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/print.hpp"
 #include "canopus/network_project/device_acceptance.hpp"
 #include "canopus/text/json.hpp"
 

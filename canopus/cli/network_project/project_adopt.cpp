@@ -7,11 +7,11 @@
 #include <unistd.h>
 
 #include "canopus/canopen/service/nmt.hpp"
-#include "canopus/cli/commands/scan_command.hpp"
+#include "canopus/cli/bus/scan_command.hpp"
 #include "canopus/cli/network_project/bus_session.hpp"
 #include "canopus/cli/network_project/project_command.hpp"
-#include "canopus/cli/terminal/device_names.hpp"
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/device_names.hpp"
+#include "canopus/cli/output/print.hpp"
 #include "canopus/text/file_text.hpp"
 #include "canopus/text/json.hpp"
 

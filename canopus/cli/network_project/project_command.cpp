@@ -7,8 +7,8 @@
 
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
-#include "canopus/cli/terminal/print.hpp"
-#include "canopus/cli/terminal/sigpipe.hpp"
+#include "canopus/cli/output/print.hpp"
+#include "canopus/cli/output/sigpipe.hpp"
 #include "canopus/network_project/network_load.hpp"
 #include "canopus/text/json.hpp"
 

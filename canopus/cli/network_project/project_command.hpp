@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/bus/bus_command.hpp"
 #include "canopus/cli/network_project/project_folder.hpp"
 
 namespace canopus::cli {

@@ -10,8 +10,8 @@
 
 #include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/cli/network_project/project_command.hpp"
-#include "canopus/cli/terminal/new_file.hpp"
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/new_file.hpp"
+#include "canopus/cli/output/print.hpp"
 #include "canopus/eds/writer.hpp"
 #include "canopus/text/file_text.hpp"
 #include "canopus/text/json.hpp"

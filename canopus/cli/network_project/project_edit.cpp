@@ -6,8 +6,8 @@
 
 #include "canopus/ascii/words.hpp"
 #include "canopus/cli/network_project/project_command.hpp"
-#include "canopus/cli/terminal/new_file.hpp"
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/new_file.hpp"
+#include "canopus/cli/output/print.hpp"
 #include "canopus/master/dcf_download.hpp"
 #include "canopus/store/files.hpp"
 #include "canopus/text/file_text.hpp"

@@ -8,7 +8,7 @@
 #include "canopus/ascii/words.hpp"
 #include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/cli/network_project/project_command.hpp"
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/print.hpp"
 #include "canopus/eds/number.hpp"
 #include "canopus/network_project/pdo_link.hpp"
 #include "canopus/text/json.hpp"

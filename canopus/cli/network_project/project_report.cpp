@@ -5,14 +5,14 @@
 #include <fmt/format.h>
 
 #include "canopus/canopen/service/nmt.hpp"
-#include "canopus/cli/commands/scan_command.hpp"
+#include "canopus/cli/bus/scan_command.hpp"
 #include "canopus/cli/network_project/bus_objects.hpp"
 #include "canopus/cli/network_project/network_check.hpp"
 #include "canopus/cli/network_project/project_command.hpp"
 #include "canopus/cli/network_project/report_page.hpp"
-#include "canopus/cli/terminal/new_file.hpp"
-#include "canopus/cli/terminal/print.hpp"
-#include "canopus/cli/terminal/sigpipe.hpp"
+#include "canopus/cli/output/new_file.hpp"
+#include "canopus/cli/output/print.hpp"
+#include "canopus/cli/output/sigpipe.hpp"
 #include "canopus/client/sdo_value.hpp"
 #include "canopus/network_project/network_load.hpp"
 #include "canopus/network_project/pdo_link.hpp"

@@ -9,7 +9,7 @@
 #include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/cli/network_project/network_check.hpp"
 #include "canopus/cli/network_project/project_command.hpp"
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/print.hpp"
 #include "canopus/client/sdo_value.hpp"
 #include "canopus/eds/words.hpp"
 #include "canopus/network_project/network_load.hpp"

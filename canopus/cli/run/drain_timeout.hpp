@@ -5,7 +5,7 @@
 
 #include <boost/asio/io_context.hpp>
 
-#include "canopus/cli/terminal/stop_signals.hpp"
+#include "canopus/cli/output/stop_signals.hpp"
 
 namespace canopus::cli {
 

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "canopus/cli/output/print.hpp"
 #include "canopus/cli/run/run_messages.hpp"
 #include "canopus/cli/run/table_state.hpp"
 #include "canopus/cli/terminal/print.hpp"

@@ -9,7 +9,7 @@
 #include <boost/asio/post.hpp>
 #include <fmt/format.h>
 
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/print.hpp"
 #include "canopus/text/local_time.hpp"
 
 namespace canopus::cli {

@@ -15,6 +15,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/cli/output/print.hpp"
+#include "canopus/cli/output/stop_signals.hpp"
 #include "canopus/cli/run/client_backpressure.hpp"
 #include "canopus/cli/run/drain_timeout.hpp"
 #include "canopus/cli/run/live_table.hpp"
@@ -24,8 +26,6 @@
 #include "canopus/cli/run/run_recording.hpp"
 #include "canopus/cli/run/run_screen.hpp"
 #include "canopus/cli/run/run_summary.hpp"
-#include "canopus/cli/terminal/print.hpp"
-#include "canopus/cli/terminal/stop_signals.hpp"
 #include "canopus/link/bounded_poll.hpp"
 #include "canopus/plant/event.hpp"
 #include "canopus/plant/events/event_printer.hpp"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "canopus/can/time.hpp"
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/print.hpp"
 
 namespace canopus::cli {
 

@@ -13,8 +13,8 @@
 #include <optional>
 #include <string>
 
-#include "canopus/cli/terminal/output_queue.hpp"
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/output_queue.hpp"
+#include "canopus/cli/output/print.hpp"
 
 namespace canopus::cli {
 

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "canopus/can/bus.hpp"
+#include "canopus/cli/output/output_queue.hpp"
 #include "canopus/cli/run/lift_picture.hpp"
-#include "canopus/cli/terminal/output_queue.hpp"
 #include "canopus/link/linked_bus.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/sim/bus/bus.hpp"

@@ -9,7 +9,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/print.hpp"
 #include "canopus/text/printable.hpp"
 
 namespace canopus::cli {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "canopus/cli/output/output_queue.hpp"
 #include "canopus/cli/run/table_state.hpp"
 #include "canopus/cli/run/table_text.hpp"
 #include "canopus/cli/run/terminal.hpp"
-#include "canopus/cli/terminal/output_queue.hpp"
 
 namespace canopus::cli {
 

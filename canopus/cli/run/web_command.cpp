@@ -8,14 +8,14 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/commands/plc_arguments.hpp"
 #include "canopus/cli/network_project/project_folder.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
+#include "canopus/cli/output/print.hpp"
+#include "canopus/cli/plc/plc_arguments.hpp"
 #include "canopus/cli/run/run_loop.hpp"
 #include "canopus/cli/run/web_access_options.hpp"
 #include "canopus/cli/run/web_settings.hpp"
-#include "canopus/cli/terminal/print.hpp"
 #include "canopus/plant/plant_loading.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/printable.hpp"

@@ -7,11 +7,12 @@
 #include <unistd.h>
 
 #include "canopus/ascii/number.hpp"
+#include "canopus/cli/bus/bus_command.hpp"
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
-#include "canopus/cli/terminal/channel_choice.hpp"
-#include "canopus/cli/terminal/stop_signals.hpp"
+#include "canopus/cli/output/channel_choice.hpp"
+#include "canopus/cli/output/stop_signals.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
 #include "canopus/cli/trace/trace_player.hpp"
 #include "canopus/text/text_values.hpp"

@@ -2,13 +2,13 @@
 
 #include <memory>
 
-#include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/bus/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
-#include "canopus/cli/terminal/channel_choice.hpp"
-#include "canopus/cli/terminal/new_file.hpp"
-#include "canopus/cli/terminal/same_file.hpp"
-#include "canopus/cli/terminal/sigpipe.hpp"
+#include "canopus/cli/output/channel_choice.hpp"
+#include "canopus/cli/output/new_file.hpp"
+#include "canopus/cli/output/same_file.hpp"
+#include "canopus/cli/output/sigpipe.hpp"
 #include "canopus/cli/trace/trace_command.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
 #include "canopus/text/text_values.hpp"

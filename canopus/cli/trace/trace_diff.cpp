@@ -4,7 +4,7 @@
 
 #include <unistd.h>
 
-#include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/bus/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/trace/trace_command.hpp"
 #include "canopus/cli/trace/trace_comparison.hpp"

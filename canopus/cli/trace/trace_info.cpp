@@ -3,7 +3,7 @@
 #include <map>
 #include <memory>
 
-#include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/bus/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/trace/trace_command.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/output/print.hpp"
 #include "canopus/trace/file/trace_reader.hpp"
 
 namespace canopus::cli {

@@ -1,0 +1,192 @@
+#include "canopus/cli/app/users_command.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include "canopus/cli/app/password_input.hpp"
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
+#include "canopus/cli/output/new_file.hpp"
+#include "canopus/cli/output/print.hpp"
+#include "canopus/text/json.hpp"
+#include "canopus/web/access/password.hpp"
+
+namespace canopus::cli {
+namespace {
+
+constexpr int users_done = 0;
+constexpr int users_failed = 1;
+
+struct UsersArguments {
+  std::string file;
+  std::string name;
+  std::string role = "look";
+  bool replaces = false;
+  bool json = false;
+};
+
+int fail(const std::string& sentence) {
+  print_error("canopus web-users: {}", sentence);
+  return users_failed;
+}
+
+/// Where line `number` begins and ends, its end of line included.
+std::pair<std::size_t, std::size_t> place_of_line(std::string_view text, std::size_t number) {
+  std::size_t begin = 0;
+  for (std::size_t line = 1; line < number; ++line) begin = text.find('\n', begin) + 1;
+  return {begin, std::min(text.find('\n', begin), text.size() - 1) + 1};
+}
+
+/// The accounts, and the one of this name.
+std::expected<std::optional<web::WebAccount>, std::string> find_user(const std::string& text,
+                                                                     const std::string& file,
+                                                                     std::string_view name) {
+  const auto accounts = web::parse_web_users(text, file);
+  if (!accounts) return std::unexpected(accounts.error());
+  const auto found = std::ranges::find(*accounts, name, &web::WebAccount::name);
+  return found == accounts->end() ? std::optional<web::WebAccount>() : *found;
+}
+
+int write(const std::string& file, const std::string& text) {
+  // Nobody else reads it, from the first moment on.
+  const mode_t before = ::umask(077);
+  const auto written = write_new_file(file, text);
+  ::umask(before);
+  return written ? users_done : fail(written.error());
+}
+
+/// What the file says so far; a new one is empty.
+std::expected<std::string, std::string> text_before(const std::string& file) {
+  std::error_code failure;
+  const auto found = std::filesystem::symlink_status(file, failure);
+  if (found.type() == std::filesystem::file_type::not_found) return std::string();
+  return web::read_web_users_text(file);
+}
+
+int add_user(const UsersArguments& arguments) {
+  auto text = text_before(arguments.file);
+  if (!text) return fail(text.error());
+  const auto before = find_user(*text, arguments.file, arguments.name);
+  if (!before) return fail(before.error());
+  if (*before && !arguments.replaces) {  // before somebody types a password
+    return fail(fmt::format("{}:{}: {} is a user already; --replace gives a new role and password",
+                            arguments.file, (*before)->line, arguments.name));
+  }
+  const auto password = read_password(arguments.name);
+  if (!password) return fail(password.error());
+  auto hash = web::hash_of(*password);
+  if (!hash) return fail(hash.error());
+  const auto role = web::parse_web_role(arguments.role);
+  const auto changed =
+      with_user(*text, arguments.file, {.name = arguments.name, .role = *role, .hash = std::move(*hash)},
+                arguments.replaces);
+  if (!changed) return fail(changed.error());
+  return write(arguments.file, *changed);
+}
+
+int remove_user(const UsersArguments& arguments) {
+  const auto text = web::read_web_users_text(arguments.file);
+  if (!text) return fail(text.error());
+  const auto changed = without_user(*text, arguments.file, arguments.name);
+  if (!changed) return fail(changed.error());
+  return write(arguments.file, *changed);
+}
+
+int list_users(const UsersArguments& arguments) {
+  const auto users = web::read_web_users(arguments.file);
+  if (!users) return fail(users.error());
+  for (const web::WebAccount& user : *users) {
+    if (arguments.json) {
+      print_json({{"name", user.name}, {"role", name_of(user.role)}, {"line", user.line}});
+    } else {
+      print_line("{:<32} {}", user.name, name_of(user.role));
+    }
+  }
+  return users_done;
+}
+
+std::string check_name(const std::string& name) {
+  if (web::is_user_name(name)) return {};
+  return fmt::format("\"{}\": expected 1 to 32 letters, digits and . _ - @ that begin with a letter or digit",
+                     name);
+}
+
+}  // namespace
+
+std::expected<std::string, std::string> with_user(const std::string& text, const std::string& file,
+                                                  const web::WebAccount& account, bool replaces) {
+  const auto before = find_user(text, file, account.name);
+  if (!before) return std::unexpected(before.error());
+  if (*before && !replaces) {
+    return std::unexpected(fmt::format("{}:{}: {} is a user already", file, (*before)->line, account.name));
+  }
+  const std::string line = fmt::format("{} {} {}\n", account.name, name_of(account.role), account.hash);
+  std::string changed = text;
+  if (*before) {
+    const auto [begin, end] = place_of_line(text, (*before)->line);
+    changed.replace(begin, end - begin, line);
+  } else {
+    if (!changed.empty() && !changed.ends_with('\n')) changed += '\n';
+    changed += line;
+  }
+  const auto check = web::parse_web_users(changed, file);
+  if (!check) return std::unexpected(check.error());
+  return changed;
+}
+
+std::expected<std::string, std::string> without_user(const std::string& text, const std::string& file,
+                                                     std::string_view name) {
+  const auto before = find_user(text, file, name);
+  if (!before) return std::unexpected(before.error());
+  if (!*before) return std::unexpected(fmt::format("{}: {} is no user of it", file, name));
+  const auto [begin, end] = place_of_line(text, (*before)->line);
+  std::string changed = text;
+  changed.erase(begin, end - begin);
+  return changed;
+}
+
+namespace {
+
+void build_users_command(Command& users, int& exit_code) {
+  auto arguments = std::make_shared<UsersArguments>();
+  users.require_subcommand(1);
+  const auto command = [&](const char* name, const char* help, int (*run)(const UsersArguments&)) {
+    Command* one = users.add_subcommand(name, help);
+    one->add_option("FILE", arguments->file, "the users, one a line: name, role, hash of the password")
+        ->required();
+    one->callback([arguments, run, &exit_code] { exit_code = run(*arguments); });
+    return one;
+  };
+  Command* add = command(
+      "add", "Add a user; the password is asked for, or is the first line of the standard input", add_user);
+  add->add_option("NAME", arguments->name, "letters, digits and . _ - @")->required()->check(check_name);
+  add->add_option("--role", arguments->role,
+                  "look: sees all; operate: does what ends with the run; configure: changes projects and "
+                  "devices, too; "
+                  "without it look")
+      ->type_name("ROLE")
+      ->check(one_of_words({"look", "operate", "configure"}));
+  add->add_flag("--replace", arguments->replaces, "The user is there already: give a new password and role");
+  add->footer(
+      "The file is made for its owner alone; others may not read or write it.\n"
+      "Example: canopus web-users add users.txt anna --role operate");
+  Command* remove = command("remove", "Remove a user", remove_user);
+  remove->add_option("NAME", arguments->name, "the user")->required()->check(check_name);
+  Command* list = command("list", "Print the users and their roles", list_users);
+  list->add_flag("--json", arguments->json, "One JSON object per line");
+}
+
+}  // namespace
+
+void add_users_command(Command& app, int& exit_code) {
+  app.add_subcommand("web-users", "Users of the page in the browser: who they are and what they may do",
+                     [&exit_code](Command& users) { build_users_command(users, exit_code); });
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,79 @@
+#pragma once
+// LSS services on a bus of the command line: one at a time, waited for.
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "canopus/cli/bus/bus_command.hpp"
+#include "canopus/lss/lss_master.hpp"
+
+namespace canopus::cli {
+
+class LssOnBus final : public can::Participant, private lss::LssMasterListener, private can::Sink {
+ public:
+  /// `time_out`: after which silence is the answer "nobody".
+  LssOnBus(BusLoop& bus, can::Duration time_out)
+      : bus_(bus), time_out_(time_out), master_(*this, *this, {.time_out = time_out}) {
+    bus_.need({link::IdentifierFilter::only(lss::from_slave)});
+    alarm().add_part(master_.alarm());
+    bus_.add(*this);
+  }
+  ~LssOnBus() override { bus_.remove(*this); }
+  LssOnBus(const LssOnBus&) = delete;
+  LssOnBus& operator=(const LssOnBus&) = delete;
+
+  /// Begins a service and waits for its end; nothing when the bus or the person ended it.
+  template <typename Service>
+  std::optional<lss::LssResult> service(Service begin) {
+    result_.reset();
+    frames_ = 0;
+    if (!begin(master_, bus_.now())) return std::nullopt;
+    end_ = BusLoop::End::time_over;
+    while (end_ == BusLoop::End::time_over) {
+      end_ = bus_.run([this] { return result_.has_value(); },
+                      progress_ ? bus_.now() + std::chrono::milliseconds(100) : can::never);
+      if (progress_) progress_(frames_);
+    }
+    return result_;
+  }
+  /// The same for a service that a device has to answer which is known to be there: it may be busy with its
+  /// flash memory, and nothing is gained by giving it up soon.
+  template <typename Service>
+  std::optional<lss::LssResult> service_of_found(Service begin) {
+    master_.set_time_out(std::max<can::Duration>(time_out_, std::chrono::seconds(1)));
+    const auto result = service(begin);
+    master_.set_time_out(time_out_);
+    return result;
+  }
+  [[nodiscard]] can::Duration time_out() const noexcept { return time_out_; }
+  void set_time_out(can::Duration time_out) {
+    time_out_ = time_out;
+    master_.set_time_out(time_out);
+  }
+  void set_progress(std::function<void(unsigned frames)> progress) { progress_ = std::move(progress); }
+  [[nodiscard]] const lss::LssMaster& master() const noexcept { return master_; }
+  /// Why service() gave nothing.
+  [[nodiscard]] BusLoop::End end() const noexcept { return end_; }
+
+  void receive(const can::Frame& frame, can::Time now) override { master_.receive(frame, now); }
+  void tick(can::Time now) override { master_.tick(now); }
+
+ private:
+  void lss_finished(lss::LssMaster&, lss::LssResult result, can::Time) override { result_ = result; }
+  bool send(const can::Frame& frame) override {
+    ++frames_;
+    return bus_.send(frame);
+  }
+
+  BusLoop& bus_;
+  can::Duration time_out_;
+  lss::LssMaster master_;
+  std::function<void(unsigned)> progress_;
+  std::optional<lss::LssResult> result_;
+  unsigned frames_ = 0;
+  BusLoop::End end_ = BusLoop::End::done;
+};
+
+}  // namespace canopus::cli

@@ -1,0 +1,27 @@
+#pragma once
+// `canopus module list|info|eds|compare|status`: which soft modules there are, what their manuals say of them, their EDS
+// files.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "canopus/cli/output/print.hpp"
+
+namespace canopus::cli {
+
+class Command;
+
+/// The modules there are, or, with a plant file, the product list of each of its PLCs.
+int module_list(const std::optional<std::string>& plant, bool json, Output& out, Output& err);
+/// What the manual says of a module; `store`: how often the flash memory of one was written, too.
+int module_info(const std::string& model, const std::optional<std::filesystem::path>& store, bool json,
+                Output& out, Output& err);
+/// Its EDS file, to `out` or, when it is not empty, to the file `path`. `mode`: of this function mode.
+int module_eds_file(const std::string& model, const std::string& path, Output& out, Output& err,
+                    std::optional<unsigned> mode = {});
+
+/// Adds the subcommand `module` to the program. Exit code: 0 done, 2 no such module or file.
+void add_module_command(Command& app, int& exit_code);
+
+}  // namespace canopus::cli

@@ -1,0 +1,59 @@
+#pragma once
+// What the subcommands of `canopus plc` share: their arguments, addresses, values as text, reading and writing.
+
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/cli/plc/plc_arguments.hpp"
+#include "canopus/client/plc_client.hpp"
+#include "canopus/client/plc_point.hpp"
+
+namespace canopus::cli {
+
+// Exit codes.
+inline constexpr int done = 0;
+inline constexpr int refused = 1;
+inline constexpr int usage = 2;
+
+/// Prints the message, and returns the code.
+int plc_failed(int exit_code, const std::string& message);
+
+[[nodiscard]] client::PlcNotation notation_of(const PlcArguments& arguments) noexcept;
+
+/// Connects, then does it. Everything else on the command line has been understood by then.
+int with_client(const PlcArguments& arguments, const std::function<int(client::PlcClient&)>& action);
+
+/// A device, U\G, or a name as U0:error_status; with --modbus an AS300's device or an address.
+[[nodiscard]] std::expected<client::PlcPoint, std::string> plc_point(std::string_view text,
+                                                                     const PlcArguments& arguments);
+[[nodiscard]] std::string shown_address(const client::PlcPoint& point, const PlcArguments& arguments,
+                                        std::uint32_t offset = 0);
+
+/// Points from a point on, as numbers: 0 and 1 of a bit device.
+[[nodiscard]] client::PlcClient::Result<std::vector<std::uint16_t>> read_values(client::PlcClient& client,
+                                                                                const client::PlcPoint& point,
+                                                                                std::uint32_t count);
+/// The values of arguments.count points, as they are shown.
+[[nodiscard]] client::PlcClient::Result<std::vector<std::string>> read_points(client::PlcClient& client,
+                                                                              const client::PlcPoint& point,
+                                                                              const PlcArguments& arguments);
+
+/// Writes, and reads back unless that is not wanted.
+int write_and_verify(client::PlcClient& client, const client::PlcPoint& point, const PlcArguments& arguments,
+                     std::span<const std::uint8_t> bits);
+int write_and_verify(client::PlcClient& client, const client::PlcPoint& point, const PlcArguments& arguments,
+                     std::span<const std::uint16_t> words);
+
+// Subcommands with a source of their own.
+int watch_plc(const client::PlcPoint& point, const PlcArguments& arguments);
+int dump_plc(const PlcArguments& arguments);
+int load_plc(const PlcArguments& arguments);
+int list_plc_names();
+
+}  // namespace canopus::cli

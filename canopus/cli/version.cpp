@@ -1,7 +1,0 @@
-#include "canopus/cli/version.hpp"
-
-namespace canopus::cli {
-
-const char* version() noexcept { return CANOPUS_VERSION; }
-
-}  // namespace canopus::cli
