@@ -176,7 +176,8 @@ TEST(Memory, NothingIsAllocatedOnAFramesPath) {
 // Each allocation of a rebuild fails once.
 TEST(Memory, ThatADescriptionNeedsAndThereIsNot_LeavesTheNodeAsItWas) {
   struct Refusal final : ObjectHandler {
-    AbortCode before_write(ObjectDictionary&, const Entry&, std::span<const std::uint8_t>, can::Time) override {
+    AbortCode before_write(ObjectDictionary&, const Entry&, std::span<const std::uint8_t>,
+                           can::Time) override {
       return AbortCode::hardware_error;
     }
   } refusal;

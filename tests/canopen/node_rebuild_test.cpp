@@ -110,7 +110,8 @@ TEST_F(NodeRebuildTest, IdentifiersChange_AsTheyMay) {
 }
 
 // The reference is a list: the last registration that covers an object counts.
-RC_GTEST_PROP(NodeHandlers, AnObject_HasTheHandlerThatWasRegisteredLast, (const std::vector<std::uint8_t>& bytes)) {
+RC_GTEST_PROP(NodeHandlers, AnObject_HasTheHandlerThatWasRegisteredLast,
+              (const std::vector<std::uint8_t>& bytes)) {
   struct Listing final : ObjectHandler {
     AbortCode before_read(ObjectDictionary&, const Entry&, can::Time) override {
       was_asked = true;
@@ -169,7 +170,8 @@ TEST(NodeHandlers, ThatComeAndGo_DoNotUseUpTheirNumbers) {
     node.attach(0x2005, 0x2006, first);
     node.attach(0x2006, 0x2007, second);
     node.detach(first);
-    EXPECT_EQ(node.dictionary().write(0x2006, 0, std::vector<std::uint8_t>(4), {}), AbortCode::hardware_error);
+    EXPECT_EQ(node.dictionary().write(0x2006, 0, std::vector<std::uint8_t>(4), {}),
+              AbortCode::hardware_error);
     EXPECT_EQ(first.asked, 0);
     node.detach(second);
     EXPECT_EQ(node.dictionary().write(0x2006, 0, std::vector<std::uint8_t>(4), {}), AbortCode::none);

@@ -19,16 +19,10 @@ class HeartbeatConsumer final : public ObjectHandler {
  public:
   explicit HeartbeatConsumer(NodeContext& node);
 
-  /// Reads all of 1016H; nobody has been heard.
+  /// Reads all of 1016H; no heartbeat has come yet.
   void start();
   void stop();
   /// The frame of entry `number` came.
-  /// Such a frame says that a node which was alive still is, in whatever state.
-  [[nodiscard]] bool is_usual(std::uint16_t number, const can::Frame& frame) const noexcept {
-    constexpr auto boot_up = static_cast<std::uint8_t>(NmtState::initialising);
-    return watches_[number].state == State::alive && frame.dlc == 1 && (frame.data[0] & 0x80) == 0 &&
-           frame.data[0] != boot_up;
-  }
   void receive(std::uint16_t number, const can::Frame& frame, can::Time now);
   void tick(std::uint16_t number, can::Time now);
   void list_identifiers(std::vector<IdentifierTable::Route>& routes) const;

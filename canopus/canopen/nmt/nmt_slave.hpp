@@ -15,7 +15,7 @@
 namespace canopus::canopen {
 
 /// The command in an NMT frame if it is for this node: its own node-ID, or all nodes unless it is the active
-/// NMT master, who does not obey broadcasts. Frames of another length and unknown commands are nothing.
+/// NMT master, which does not obey broadcasts. Frames of another length and unknown commands are nothing.
 [[nodiscard]] constexpr std::optional<NmtCommand> nmt_command_for(const can::Frame& frame,
                                                                   std::uint8_t node_id,
                                                                   bool active_master) noexcept {

@@ -17,7 +17,7 @@ class NodeGuarding final : public ObjectHandler {
  public:
   explicit NodeGuarding(NodeContext& node);
 
-  /// Toggle bit 0, nobody has asked yet.
+  /// Toggle bit 0, no remote frame yet.
   void start();
   void stop();
   /// The master's remote frame came; `heartbeat`: this node produces one.

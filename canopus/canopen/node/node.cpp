@@ -134,10 +134,10 @@ void Node::Services::build_table() {
     heartbeat_consumer.list_identifiers(routes);
   }
   table.build(routes);
-  hears_extended = false;
+  receives_extended = false;
   filter.clear();
   for (const auto& route : routes) {
-    hears_extended = hears_extended || (route.key >> 29 & 1) != 0;
+    receives_extended = receives_extended || (route.key >> 29 & 1) != 0;
     filter.add(route.key);
   }
 }
@@ -311,7 +311,7 @@ std::vector<std::uint32_t> Node::wanted_identifiers() const {
 }
 bool Node::wants_extended() const {
   services_->settle();
-  return services_->hears_extended;
+  return services_->receives_extended;
 }
 void Node::settle() const { services_->settle(); }
 
@@ -320,29 +320,9 @@ void Node::settle() const { services_->settle(); }
 void Node::receive_passed(const can::Frame& frame, can::Time now) {
   Services& services = *services_;
   if (!is_base_data(frame)) return services.receive(frame, now);
-  const IdentifierTable::Slot* slot = services.table.look_up(frame.identifier);
+  const IdentifierTable::Slot* slot = services.table.find(frame.identifier);
   if (slot != nullptr) return services.dispatch(slot->found, slot->number, frame, now);
   if (services.identifiers_changed) services.receive(frame, now);
-}
-
-Node::ReceiveResult Node::receive_usual(const can::Frame& frame, can::Time now) {
-  if (!filter_.may_pass(frame.identifier)) return ReceiveResult::nothing;
-  Services& services = *services_;
-  if (is_base_data(frame)) {
-    services.settle();
-    const IdentifierTable::Slot* slot = services.table.look_up(frame.identifier);
-    if (slot == nullptr) return ReceiveResult::nothing;
-    if (slot->found == ServiceKind::rpdo && services.rpdos.is_usual(slot->number, frame)) {
-      services.rpdos.receive(slot->number, frame, services.sync_service.window_end(), now);
-      return ReceiveResult::process_data;
-    }
-    if (slot->found == ServiceKind::heartbeat && services.heartbeat_consumer.is_usual(slot->number, frame)) {
-      services.heartbeat_consumer.receive(slot->number, frame, now);
-      return ReceiveResult::heartbeat;
-    }
-  }
-  receive_passed(frame, now);
-  return ReceiveResult::other;
 }
 
 void Node::tick(can::Time now) {

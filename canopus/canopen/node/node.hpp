@@ -3,7 +3,7 @@
 // SYNC, TIME, EMCY, heartbeat, node guarding), each configured by the dictionary's own objects [CiA 301].
 //
 // A node is passive: it gets what came in and what time it is, sends through the Sink it was given, and
-// says when it wants the next tick. A service whose objects are missing from the dictionary is simply not
+// sets its alarm to the time of its next tick. A service whose objects are missing from the dictionary is simply not
 // there.
 
 #include <cstdint>
@@ -29,7 +29,7 @@ struct TimeOfDay;
 class Node final : public can::Participant {
  public:
   /// The node is off until power_on(). `sink` and the listener must outlive it. node_id 1..127; with FFH (not
-  /// configured) it stays in Initialisation, silent and deaf, until it has another one and is reset.
+  /// configured) it stays in Initialisation, sends and processes nothing, until it has another one and is reset.
   Node(std::shared_ptr<const DictionaryDescription> description, std::uint8_t node_id, can::Sink& sink,
        NodeOptions options = {});
   ~Node() override;
@@ -90,7 +90,7 @@ class Node final : public can::Participant {
   /// The application changed process values: every event-driven TPDO (and acyclic synchronous one) whose
   /// content differs from what it last sent has its event. Returns how many had.
   unsigned values_changed(can::Time now) { return values_changed(all_values, now); }
-  /// The same where nobody but the node itself, below 2000H, has changed values of other places since the last call. Some places.
+  /// The same where, since the last call, values of other places were changed by the node's own services alone, below 2000H.
   unsigned values_changed(ValueMask places, can::Time now);
   /// The application event of one TPDO, changed or not. False when it is not valid, or was dismissed.
   bool tpdo_event(std::uint16_t number, can::Time now);
@@ -109,8 +109,8 @@ class Node final : public can::Participant {
   /// SDO client channel 1280H + `number` (0..127) as the dictionary has it, if it is valid.
   [[nodiscard]] std::optional<SdoClientChannel> sdo_client_channel(std::uint8_t number) const;
 
-  /// True when the node would do something with a data or remote frame of this base identifier: whoever
-  /// delivers frames may leave out the others.
+  /// True when the node would do something with a data or remote frame of this base identifier; others need not be
+  /// delivered to it.
   [[nodiscard]] bool wants(std::uint32_t base_identifier) const;
   /// All base identifiers that it wants, in order.
   [[nodiscard]] std::vector<std::uint32_t> wanted_identifiers() const;
@@ -126,15 +126,6 @@ class Node final : public can::Participant {
   void receive(const can::Frame& frame, can::Time now) override {
     if (filter_.may_pass(frame.identifier)) receive_passed(frame, now);
   }
-  /// What a frame was for a node.
-  enum class ReceiveResult : std::uint8_t {
-    nothing,  ///< it does not listen to it
-    process_data,  ///< one RPDO took it, as it takes nearly all: values have changed, or will at the next SYNC, and nothing else
-    heartbeat,  ///< of a node that was alive and still is; the listener hears its state
-    other,      ///< anything may have changed
-  };
-  /// receive() for an owner that looks no further after what comes all the time.
-  ReceiveResult receive_usual(const can::Frame& frame, can::Time now);
   void tick(can::Time now) override;
 
  private:
@@ -143,8 +134,8 @@ class Node final : public can::Participant {
   void settle() const;
   void rebuild(std::shared_ptr<const DictionaryDescription> description, can::Sink& sink,
                const NodeOptions& options);
-  IdentifierFilter filter_;  // here, for every frame on the bus looks at it and at little else
-  NodeContext* context_;     // the part of the services that its owner asks about all the time
+  IdentifierFilter filter_;  // here, for every frame on the bus is checked with it, and with little else
+  NodeContext* context_;     // of the services, what the node's owner reads all the time
   std::unique_ptr<Services> services_;
 };
 

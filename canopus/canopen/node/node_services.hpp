@@ -45,7 +45,7 @@ struct Node::Services final : NodeContext, WriteObserver {
   }
   void communication_error(can::Time now) override { enter(error_behaviour.after_error(state), now); }
   void object_written(const Entry& entry, can::Time now) override {
-    // Mostly nobody asks, and nothing has to be kept to find that out.
+    // Mostly it concerns nothing, and this check saves no registers.
     const bool concerns_some =
         tpdos.may_have_event_of(entry) || stored_parameters.saves_at_once() || listener != nullptr;
     if (concerns_some) report_written(entry, now);
@@ -67,7 +67,7 @@ struct Node::Services final : NodeContext, WriteObserver {
     if (identifiers_changed) build_table();
   }
   void build_table();
-  /// The services that most frames are for are looked at first.
+  /// The services that most frames are for come first.
   void dispatch(ServiceKind kind, std::uint16_t number, const can::Frame& frame, can::Time now) {
     if (kind == ServiceKind::rpdo) return rpdos.receive(number, frame, sync_service.window_end(), now);
     if (kind == ServiceKind::sdo_server) {
@@ -106,7 +106,7 @@ struct Node::Services final : NodeContext, WriteObserver {
   std::vector<Registration> registrations;  // in order: a later one takes the place of those before it
   std::uint8_t next_node_id = 0;
   bool powered = false;
-  bool hears_extended = false;
+  bool receives_extended = false;
 };
 
 }  // namespace canopus::canopen

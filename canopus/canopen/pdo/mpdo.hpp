@@ -3,7 +3,7 @@
 // bit 7 = destination addressing, bits 0-6 node-ID; bytes 1-2 index, 3 sub-index, 4-7 data.
 //
 //   Destination (mapping sub-index 00H = FFH): node-ID of the consumer, 0 = all; index and sub-index are the
-//   consumer's, who writes them. One that does not exist there is EMCY 8230H.
+//   consumer's, which writes them. One that does not exist there is EMCY 8230H.
 //   Source (mapping sub-index 00H = FEH): node-ID, index and sub-index of the producer. The producer may send
 //   the objects of its scanner list 1FA0H-1FCFH (bits 24-31 block size, 8-23 index, 0-7 first sub-index); a
 //   consumer looks them up in its dispatching list 1FD0H-1FFFH (bits 56-63 block size, 40-55 local index,

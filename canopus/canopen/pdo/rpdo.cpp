@@ -83,7 +83,7 @@ void Rpdos::leave_operational() {
   any_waiting_ = false;
 }
 
-void Rpdos::take(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now) {
+void Rpdos::apply(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now) {
   if (pdo.transmission_type <= 240) return wait_for_sync(pdo, frame, window_end, now);
   pdo.plan.scatter(std::bit_cast<std::uint64_t>(frame.data), node_.dictionary.block().data());
   if (node_.listener != nullptr) node_.listener->rpdo_received(pdo.number, now);
@@ -93,7 +93,7 @@ void Rpdos::receive_other(Rpdo& pdo, const can::Frame& frame, can::Time window_e
   if (pdo.watched || pdo.error_count != 0 || frame.dlc != pdo.plan.length()) {
     return receive_unusual(pdo, frame, window_end, now);
   }
-  take(pdo, frame, window_end, now);
+  apply(pdo, frame, window_end, now);
 }
 
 void Rpdos::receive_unusual(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now) {
@@ -124,7 +124,7 @@ void Rpdos::receive_unusual(Rpdo& pdo, const can::Frame& frame, can::Time window
                                       too_short ? emcy_code::pdo_too_short : emcy_code::pdo_too_long, now);
   }
   classify(pdo);
-  if (!too_short) take(pdo, frame, window_end, now);
+  if (!too_short) apply(pdo, frame, window_end, now);
 }
 
 void Rpdos::sync(can::Time now) {

@@ -30,19 +30,14 @@ class Rpdos final : public ObjectHandler {
   void stop();
   /// Operational was left: forgets what waits for SYNC and stops watching.
   void leave_operational();
-  /// Such a frame changes nothing but the mapped values, now or at the next SYNC.
-  [[nodiscard]] bool is_usual(std::uint16_t position, const can::Frame& frame) const noexcept {
-    const Rpdo& pdo = rpdos_[position];
-    return !pdo.watched && pdo.error_count == 0 && frame.dlc == pdo.plan.length();
-  }
   /// A frame of the RPDO at this position came.
   void receive(std::uint16_t position, const can::Frame& frame, can::Time window_end, can::Time now) {
     if (!node_.is_operational()) return;
     Rpdo& pdo = rpdos_[position];
-    if (frame.dlc != pdo.plan.length() || pdo.way == Way::checked) {
+    if (frame.dlc != pdo.plan.length() || pdo.path == Path::checked) {
       return receive_other(pdo, frame, window_end, now);
     }
-    if (pdo.way == Way::wait) return wait_for_sync(pdo, frame, window_end, now);
+    if (pdo.path == Path::wait) return wait_for_sync(pdo, frame, window_end, now);
     pdo.plan.scatter_single(std::bit_cast<std::uint64_t>(frame.data), node_.dictionary.block().data());
     if (node_.listener != nullptr) node_.listener->rpdo_received(pdo.number, now);
   }
@@ -57,7 +52,7 @@ class Rpdos final : public ObjectHandler {
 
  private:
   /// What a frame of the mapped length costs.
-  enum class Way : std::uint8_t {
+  enum class Path : std::uint8_t {
     checked,
     copy,  // one copy, at once: nothing waits, is watched or was wrong
     wait,  // the same, but it waits for SYNC
@@ -72,12 +67,12 @@ class Rpdos final : public ObjectHandler {
     std::uint8_t addressing = 0;   // of an MPDO, else 0
     std::uint8_t error_count = 0;  // EMCYs that wait for their end: length, deadline
     bool watched = false;          // has an event timer, or is an MPDO
-    Way way = Way::checked;
+    Path path = Path::checked;
     bool is_waiting = false;
     bool length_error = false;
     bool timed_out = false;
   };
-  void take(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now);
+  void apply(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now);
   void receive_other(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now);
   void receive_unusual(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now);
   void read(Rpdo& pdo);
@@ -86,7 +81,7 @@ class Rpdos final : public ObjectHandler {
   static void classify(Rpdo& pdo) noexcept {
     const bool is_usual = !pdo.watched && pdo.error_count == 0;
     const bool waits = pdo.transmission_type <= 240;
-    pdo.way = is_usual && waits ? Way::wait : is_usual && pdo.plan.is_single() ? Way::copy : Way::checked;
+    pdo.path = is_usual && waits ? Path::wait : is_usual && pdo.plan.is_single() ? Path::copy : Path::checked;
   }
   void wait_for_sync(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now) {
     if (now > window_end) return;

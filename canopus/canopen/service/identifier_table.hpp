@@ -65,10 +65,10 @@ class IdentifierTable {
   };
   /// The first route of this key, or nullptr.
   [[nodiscard]] const Slot* first(std::uint32_t wanted) const noexcept {
-    return wanted == empty ? nullptr : look_up(wanted);
+    return wanted == empty ? nullptr : find(wanted);
   }
-  /// The same, but `empty`, which no frame has, may find an empty place: for nobody.
-  [[nodiscard]] const Slot* look_up(std::uint32_t wanted) const noexcept {
+  /// The same, but `empty`, which no frame has, may find an empty slot.
+  [[nodiscard]] const Slot* find(std::uint32_t wanted) const noexcept {
     for (std::size_t place = start(wanted);; place = (place + 1) & mask_) {
       const Slot& slot = places_[place];
       if (slot.key == wanted) [[likely]]

@@ -68,8 +68,8 @@ struct ModuleContext {
   can::Gate network;  // closed while the LSS search has the controller at another bit rate
   const Profile profile;
   ModuleObserver* observer = nullptr;
-  /// What node and master have reported so far, but for received process data and heartbeats that say what is known. Where it is as before
-  /// a PDO or a heartbeat, update() is left out: a callback of theirs that changes a word or a signal counts here.
+  /// Counts what node and master report, but received process data and repeated heartbeats: a callback of theirs that changes a word or a
+  /// signal counts here. Without it update(), and what the plant reads of a module, would follow each PDO.
   std::uint64_t change_count = 0;
   ModuleState state;
 

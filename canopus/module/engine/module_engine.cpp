@@ -254,30 +254,29 @@ void ModuleEngine::receive(const can::Frame& frame, can::Time now) {
   receive_other(frame, now);
 }
 
-// Where PDOs and heartbeats are as usual, nothing of what update() looks at has changed: what changes in the node or the master
-// without a change that they report does so by other frames. The master does nothing with PDOs.
+// Most frames are PDOs and heartbeats. What they change beyond process data is reported (ModuleContext::change_count); without such a
+// report nothing of what update() reads has changed. The master does nothing with PDOs.
 inline void ModuleEngine::receive_pdo(const can::Frame& frame, can::Time now) {
-  using enum canopen::Node::ReceiveResult;
   const std::uint64_t changes = parts_.change_count;
-  const canopen::Node::ReceiveResult result = parts_.node.receive_usual(frame, now);
-  if (result == other) parts_.master.receive(frame, now);
+  parts_.node.receive(frame, now);
   const bool is_of_command = parts_.command.receive(frame, now);
-  if (result != other && !is_of_command && parts_.change_count == changes) return;
-  ++parts_.change_count;
-  update(now);
+  if (is_of_command || parts_.change_count != changes) update_after_frame(now);
 }
 
 /// What is no PDO, or comes while the node is off the network.
 void ModuleEngine::receive_other(const can::Frame& frame, can::Time now) {
-  using enum canopen::Node::ReceiveResult;
   const std::uint64_t changes = parts_.change_count;
   const bool is_open = parts_.network.is_open();
-  const canopen::Node::ReceiveResult result = is_open ? parts_.node.receive_usual(frame, now) : other;
+  if (is_open) parts_.node.receive(frame, now);
   parts_.master.receive(frame, now);
   const bool is_of_command = is_open && parts_.command.receive(frame, now);
-  const bool is_state = canopen::is_base_data(frame) && frame.data[0] != 0 &&
-                        (frame.identifier & canopen::cob_id::function_code) == canopen::cob_id::error_control;
-  if (result != other && !is_of_command && is_state && parts_.change_count == changes) return;
+  const bool is_heartbeat =
+      is_open && canopen::is_base_data(frame) && frame.data[0] != 0 &&
+      (frame.identifier & canopen::cob_id::function_code) == canopen::cob_id::error_control;
+  if (is_of_command || !is_heartbeat || parts_.change_count != changes) update_after_frame(now);
+}
+
+void ModuleEngine::update_after_frame(can::Time now) {
   ++parts_.change_count;
   update(now);
 }

@@ -183,6 +183,7 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   void end_sending(const can::Frame& frame);
   void receive_pdo(const can::Frame& frame, can::Time now);
   void receive_other(const can::Frame& frame, can::Time now);
+  void update_after_frame(can::Time now);
 
   CommandBus command_bus_{parts_};
   ModuleContext parts_;

@@ -47,7 +47,8 @@ std::uint16_t WordPort::read_word(BufferAddress address, can::Time now) const {
 void WordPort::program_reads(BufferAddress address, can::Time now) {
   for (const Entry& entry : entries_) {
     const RequestWordRow& row = *entry.row;
-    if (row.word == address && row.use == RequestUse::read_clock && means_something(row)) engine_.read_clock(now);
+    if (row.word == address && row.use == RequestUse::read_clock && means_something(row))
+      engine_.read_clock(now);
   }
   if (BufferArea* owner = behind(address)) owner->program_reads(address, now);
 }

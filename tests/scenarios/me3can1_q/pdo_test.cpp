@@ -32,6 +32,25 @@ TEST_P(Pdo, S30_RpdoMappingExample) {
   s.no_tx();
 }
 
+// A display of the module is renewed after a change alone.
+TEST_P(Pdo, ProcessData_AndHeartbeatsOfANodeThatIsAlive_AreNoChangeOfTheModule) {
+  IntelligentScenario s(GetParam());
+  s.power_on_as(1).set_object(0x1016, 1, 0x000903E8, 4).nmt(0x01);
+  const auto changes_by = [&s](std::uint32_t identifier, const Bytes& bytes) {
+    const std::uint64_t before = s.plug_in().change_count();
+    s.rx(identifier, bytes).ignore_tx();
+    return s.plug_in().change_count() != before;
+  };
+  EXPECT_FALSE(changes_by(0x201, {1, 2, 3, 4, 5, 6, 7, 8}));
+  EXPECT_TRUE(changes_by(0x709, {0x05})) << "the first one";
+  EXPECT_FALSE(changes_by(0x709, {0x05}));
+  EXPECT_TRUE(changes_by(0x709, {0x04})) << "another state";
+  EXPECT_TRUE(changes_by(0x709, {0x00})) << "boot-up";
+  EXPECT_TRUE(changes_by(0x201, {1, 2})) << "too short";
+  EXPECT_TRUE(changes_by(0x000, {0x80, 0x01}));
+  EXPECT_FALSE(changes_by(0x301, {1, 2, 3}));
+}
+
 TEST_P(Pdo, S31_TpdoMappingExample) {
   spec("ME3-PDO-004 ME3-PDO-007", "RJ71-PDO-005 RJ71-PDO-006 RJ71-TPDO-009");
   IntelligentScenario s(GetParam());
