@@ -78,7 +78,7 @@ class Timeline {
   /// A timeline whose participants never have to do with those of another partition; it lives as long as this one. What belongs
   /// to none, such as clients that wait, is on this one itself. Equal deadlines tick in the order of add() over all.
   Timeline& add_partition();
-  /// 0: everybody is on this one.
+  /// 0: all participants are on this one.
   [[nodiscard]] std::size_t partition_count() const noexcept { return partitions_.size(); }
   [[nodiscard]] Timeline& partition(std::size_t number) noexcept { return *partitions_[number]; }
   /// Of a partition: ticks its participants up to `end`, without those of others. Threads may do this for one partition each.

@@ -27,7 +27,7 @@ void WinnerTree::rebuild(Time base) noexcept {
     winners_[capacity_ + index] = key_of(index, deadlines_[index]);
   for (std::size_t match = capacity_ - 1; match > 0; --match)
     winners_[match] = std::min(winners_[2 * match], winners_[2 * match + 1]);
-  take_winner(winners_[1]);
+  set_winner(winners_[1]);
 }
 
 }  // namespace canopus::can

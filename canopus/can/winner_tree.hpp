@@ -2,7 +2,7 @@
 // The earliest of many deadlines, by a winner tree: behind the matches stand the players, by index; match n is between 2 n and
 // 2 n + 1, and match 1 the last one. A new deadline is played up to there, and no branch depends on which wins. A deadline is counted
 // from a base that no deadline is before, in a key with its index below; what is further away than a key counts (4.9 hours) is
-// told apart when nothing nearer is left: then all play again from the earliest deadline on.
+// distinguished when nothing nearer is left: then the tree is rebuilt from the earliest deadline on.
 
 #include <algorithm>
 #include <cstddef>
@@ -35,7 +35,7 @@ class WinnerTree {
       winner = winner < other ? winner : other;
       winners[match] = winner;
     }
-    take_winner(winner);
+    set_winner(winner);
   }
   [[nodiscard]] Time deadline(Index index) const noexcept { return deadlines_[index]; }
   /// never: none.
@@ -55,7 +55,7 @@ class WinnerTree {
                             static_cast<std::uint64_t>(base_.time_since_epoch().count());
     return std::min(after_base, far) << index_bits | index;
   }
-  void take_winner(Key key) noexcept {
+  void set_winner(Key key) noexcept {
     if (key >> index_bits == far) [[unlikely]]
       return advance_base(key);
     winner_ = key & ((Key{1} << index_bits) - 1);

@@ -255,7 +255,7 @@ void LssMaster::cancel() noexcept {
 
 void LssMaster::finish(LssResult result, can::Time now) {
   cancel();
-  user_->lss_finished(*this, result, now);
+  listener_->lss_finished(*this, result, now);
 }
 
 }  // namespace canopus::lss

@@ -39,9 +39,9 @@ class LssMaster {
     can::Duration pause = std::chrono::milliseconds(1);       ///< between frames of one service
   };
 
-  LssMaster(can::Sink& sink, LssMasterListener& user) : LssMaster(sink, user, Options{}) {}
-  LssMaster(can::Sink& sink, LssMasterListener& user, Options options)
-      : sink_(&sink), user_(&user), options_(options) {}
+  LssMaster(can::Sink& sink, LssMasterListener& listener) : LssMaster(sink, listener, Options{}) {}
+  LssMaster(can::Sink& sink, LssMasterListener& listener, Options options)
+      : sink_(&sink), listener_(&listener), options_(options) {}
 
   /// For an answer, from the next service on.
   void set_time_out(can::Duration time_out) noexcept { options_.time_out = time_out; }
@@ -76,7 +76,7 @@ class LssMaster {
   /// slaves without fastscan: halves the ranges by identify remote slave, 65 times at most; slaves that have
   /// a node-ID answer as well. silence: there is none.
   bool slow_scan(const LssAddress& low, const LssAddress& high, can::Time now);
-  /// Gives the running service up; the user is not notified.
+  /// Gives the running service up; the listener is not notified.
   void cancel() noexcept;
 
   [[nodiscard]] bool busy() const noexcept { return service_ != Service::none; }
@@ -109,7 +109,7 @@ class LssMaster {
   void finish(LssResult result, can::Time now);
 
   can::Sink* sink_;
-  LssMasterListener* user_;
+  LssMasterListener* listener_;
   Options options_;
   Service service_ = Service::none;
   std::uint8_t expected_ = 0;  // command specifier of the answer

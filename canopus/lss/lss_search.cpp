@@ -52,7 +52,7 @@ void LssSearch::wait(State state, can::Duration duration, can::Time now) {
 
 void LssSearch::try_rate(std::uint32_t bit_rate, can::Time now) {
   bit_rate_ = bit_rate;
-  user_->change_bit_rate(bit_rate, now);
+  listener_->change_bit_rate(bit_rate, now);
   wait(State::settling, options_.settle_time, now);
 }
 
@@ -114,7 +114,7 @@ void LssSearch::tick(can::Time now) {
     case State::settling: return select(now);
     case State::before_change:
       bit_rate_ = own_bit_rate_;
-      user_->change_bit_rate(bit_rate_, now);
+      listener_->change_bit_rate(bit_rate_, now);
       return wait(State::after_change, options_.activation_delay, now);
     case State::after_change: return leave(true, now);
     case State::left: return end(found_, now);
@@ -132,9 +132,9 @@ void LssSearch::end(bool found, can::Time now) {
   cancel();
   if (bit_rate_ != own_bit_rate_) {
     bit_rate_ = own_bit_rate_;
-    user_->change_bit_rate(bit_rate_, now);
+    listener_->change_bit_rate(bit_rate_, now);
   }
-  user_->lss_search_finished(node_id_, found, now);
+  listener_->lss_search_finished(node_id_, found, now);
 }
 
 }  // namespace canopus::lss

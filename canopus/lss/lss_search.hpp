@@ -38,9 +38,9 @@ class LssSearch final : private LssMasterListener {
     bool to_waiting_first = false;
   };
 
-  LssSearch(can::Sink& sink, LssSearchListener& user) : LssSearch(sink, user, Options{}) {}
-  LssSearch(can::Sink& sink, LssSearchListener& user, Options options)
-      : user_(&user), options_(options), master_(sink, *this, {.time_out = options.time_out}) {
+  LssSearch(can::Sink& sink, LssSearchListener& listener) : LssSearch(sink, listener, Options{}) {}
+  LssSearch(can::Sink& sink, LssSearchListener& listener, Options options)
+      : listener_(&listener), options_(options), master_(sink, *this, {.time_out = options.time_out}) {
     alarm_.add_part(deadline_);
     alarm_.add_part(master_.alarm());
   }
@@ -86,7 +86,7 @@ class LssSearch final : private LssMasterListener {
   void wait(State state, can::Duration duration, can::Time now);
   void end(bool found, can::Time now);
 
-  LssSearchListener* user_;
+  LssSearchListener* listener_;
   Options options_;
   LssMaster master_;
   State state_ = State::idle;

@@ -56,7 +56,7 @@ void LssSlave::switch_global(std::uint8_t mode, can::Time now) {
   selected_parts_ = 0;
   if (state_ == State::waiting && node_id_ == lss::unconfigured && is_node_id(pending_node_id_)) {
     node_id_ = pending_node_id_;
-    user_->node_id_assigned(node_id_, now);
+    listener_->node_id_assigned(node_id_, now);
   }
 }
 
@@ -124,7 +124,7 @@ void LssSlave::configure(const can::Frame& frame, can::Time now) {
     case lss::command::configure_bit_timing: {
       const std::uint8_t index = frame.data[2];
       const bool known = frame.data[1] == 0 && index < lss::bit_rates.size() && lss::bit_rates[index] != 0 &&
-                         user_->supports_bit_rate(lss::bit_rates[index]);
+                         listener_->supports_bit_rate(lss::bit_rates[index]);
       if (known) pending_bit_rate_ = lss::bit_rates[index];
       return answer(command, known ? ok : out_of_range);
     }
@@ -134,7 +134,8 @@ void LssSlave::configure(const can::Frame& frame, can::Time now) {
       alarm_ = can::later(now, switch_delay_);
       return;
     case lss::command::store:
-      return answer(command, static_cast<std::uint32_t>(user_->store(pending_node_id_, pending_bit_rate_)));
+      return answer(command,
+                    static_cast<std::uint32_t>(listener_->store(pending_node_id_, pending_bit_rate_)));
     case lss::command::inquire_node_id: return answer(command, node_id_);
     default:
       if (command >= lss::command::inquire_vendor && command <= lss::command::inquire_serial) {
@@ -153,7 +154,7 @@ void LssSlave::tick(can::Time now) {
       switching_ = Switching::after;
       alarm_ = can::later(now, switch_delay_);
       bit_rate_ = pending_bit_rate_;
-      user_->change_bit_rate(bit_rate_, now);
+      listener_->change_bit_rate(bit_rate_, now);
       return;
     case Switching::after: switching_ = Switching::no; return;
   }

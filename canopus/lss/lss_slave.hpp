@@ -34,8 +34,8 @@ class LssSlave {
  public:
   enum class State : std::uint8_t { waiting, configuration };
 
-  LssSlave(can::Sink& sink, LssSlaveListener& user, const LssAddress& address)
-      : sink_(&sink), user_(&user), address_(address) {}
+  LssSlave(can::Sink& sink, LssSlaveListener& listener, const LssAddress& address)
+      : sink_(&sink), listener_(&listener), address_(address) {}
 
   /// After power-on or reset communication: the node-ID now in force (FFH: none) and the bit rate.
   void start(std::uint8_t node_id, std::uint32_t bit_rate) noexcept;
@@ -63,7 +63,7 @@ class LssSlave {
   void answer(std::uint8_t command, std::uint32_t value = 0);
 
   can::Sink* sink_;
-  LssSlaveListener* user_;
+  LssSlaveListener* listener_;
   LssAddress address_;
   State state_ = State::waiting;
   Switching switching_ = Switching::no;

@@ -1,5 +1,7 @@
 // NodeAlarms against a plain array.
 
+#include "canopus/manager/sdo/node_alarms.hpp"
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -7,8 +9,6 @@
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
-
-#include "canopus/manager/sdo/node_alarms.hpp"
 
 namespace canopus::manager::node_alarms_test {
 namespace {

@@ -86,7 +86,9 @@ class ModuleScenario {
   /// Consecutive words.
   ModuleScenario& write(module::BufferAddress first, const Words& values);
   ModuleScenario& y(unsigned number, bool on);
-  [[nodiscard]] std::uint16_t read(module::BufferAddress address) { return words_->program_read(address, now_); }
+  [[nodiscard]] std::uint16_t read(module::BufferAddress address) {
+    return words_->program_read(address, now_);
+  }
   [[nodiscard]] bool x(unsigned number) const { return (signals_->inputs() >> number & 1U) != 0; }
 
   ModuleScenario& expect(module::BufferAddress address, std::uint16_t value, Where where = Where::current());

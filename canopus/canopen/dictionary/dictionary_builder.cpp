@@ -157,7 +157,7 @@ std::shared_ptr<const DictionaryDescription> DictionaryBuilder::build() const {
 
   std::vector<EntryDescription> entries;  // of an object
   std::unordered_multimap<std::size_t, std::uint32_t> known_entries;
-  // The sub-index 00H that nobody added.
+  // The sub-index 00H that was not added.
   EntryPlan number_of_subs{};
   number_of_subs.description.type = DataType::unsigned8;
   number_of_subs.description.access = Access::constant;

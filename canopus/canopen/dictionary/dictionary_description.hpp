@@ -178,7 +178,7 @@ class DictionaryDescription {
   /// communication_block_size() for those of the communication profile alone).
   void load_defaults(std::span<std::uint8_t> block, std::uint8_t node_id) const noexcept;
   /// The PDO parameters (1400H-1BFFH) in a node's value block are the defaults for this node-ID. False, too, where
-  /// that cannot be told at once: a value of variable length among them, or more than 2 KiB up to there.
+  /// that cannot be found at once: a value of variable length among them, or more than 2 KiB up to there.
   [[nodiscard]] bool has_default_pdos(std::span<const std::uint8_t> block,
                                       std::uint8_t node_id) const noexcept;
 
@@ -187,7 +187,7 @@ class DictionaryDescription {
 
   /// What a write of `length` bytes is refused with, whatever the value.
   [[nodiscard]] static AbortCode check_write(const Entry& entry, std::size_t length) noexcept;
-  /// What a write of this value is refused with before anybody's behaviour is asked.
+  /// What a write of this value is refused with before a handler is asked.
   [[nodiscard]] AbortCode check_write(const Entry& entry, std::span<const std::uint8_t> value) const noexcept;
 
   /// A default of one sub-index in place of the described one.
@@ -277,7 +277,7 @@ class DictionaryBuilder {
  public:
   /// A VAR (or DOMAIN): one value at sub-index 00H.
   DictionaryBuilder& variable(std::uint16_t index, EntrySpec spec);
-  /// Names an ARRAY or RECORD; its sub-indexes follow with sub(). Sub-index 00H is made if nobody adds it:
+  /// Names an ARRAY or RECORD; its sub-indexes follow with sub(). Sub-index 00H is made if it is not added:
   /// U8, constant, the highest sub-index.
   DictionaryBuilder& object(std::uint16_t index, ObjectCode code, std::string name);
   /// Adds a sub-index to an object() named before (or, unnamed, to a new RECORD).

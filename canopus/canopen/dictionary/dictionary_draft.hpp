@@ -14,7 +14,7 @@
 
 namespace canopus::canopen {
 
-/// The name of a sub-index 00H that nobody added. Nearly all descriptions have it, none keeps it: its number is beyond
+/// The name of a sub-index 00H that was not added. Nearly all descriptions have it, none keeps it: its number is beyond
 /// all texts.
 inline constexpr std::string_view highest_sub_name = "Highest sub-index supported";
 inline constexpr std::uint32_t highest_sub_name_number = 0x7FFF'FFFF;

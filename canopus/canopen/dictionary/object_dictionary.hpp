@@ -85,27 +85,27 @@ class ObjectDictionary {
   /// `multiplexer`: bits 8-23 index, bits 24-31 sub-index, as an SDO has them.
   [[nodiscard]] ShortValue read_short(std::uint32_t multiplexer) noexcept {
     if (multiplexer == last_short_.multiplexer) return load_short(last_short_.offset, last_short_.length);
-    const Place place = find_plain(multiplexer);
-    if (place.description == nullptr || !place.description->is_plainly_readable) return {};
-    last_short_ = {multiplexer, place.offset, place.description->length};
-    return load_short(place.offset, place.description->length);
+    const Location location = find_plain(multiplexer);
+    if (location.description == nullptr || !location.description->is_plainly_readable) return {};
+    last_short_ = {multiplexer, location.offset, location.description->length};
+    return load_short(location.offset, location.description->length);
   }
   /// write() of what has 1..4 bytes, as many as given, may be written, and has neither limits nor a handler, as
   /// most values that are written. False: it is none of them, and nothing was done.
   [[nodiscard]] bool write_short(std::uint32_t multiplexer, ShortValue value, can::Time now) {
-    const Place place = find_plain(multiplexer);
-    if (place.description == nullptr || !store_short(place, value)) return false;
-    report_written(entry_at(place, multiplexer), now);
+    const Location location = find_plain(multiplexer);
+    if (location.description == nullptr || !store_short(location, value)) return false;
+    report_written(entry_at(location, multiplexer), now);
     return true;
   }
-  // The steps of write_short(), for who has something else to do between them.
+  // The steps of write_short(), for callers that do something else between them.
   /// Where a value lies.
-  struct Place {
+  struct Location {
     const EntryDescription* description = nullptr;
     std::uint32_t offset = 0;
   };
   /// An entry, perhaps of no type, of an object without a handler; or none.
-  [[nodiscard]] Place find_plain(std::uint32_t multiplexer) const noexcept {
+  [[nodiscard]] Location find_plain(std::uint32_t multiplexer) const noexcept {
     const std::size_t position = description_->find_position(static_cast<std::uint16_t>(multiplexer >> 8));
     if (position == DictionaryDescription::no_position || attachment_numbers_[position] != 0) return {};
     const ObjectDescription& object = description_->object(position);
@@ -115,9 +115,10 @@ class ObjectDictionary {
     return {entry.description, entry.offset};
   }
   /// False: it has to be written in another way.
-  [[nodiscard]] bool store_short(Place place, ShortValue value) noexcept {
-    if (!place.description->is_plainly_writable || place.description->length != value.length) return false;
-    std::uint8_t* const to = block_.data() + place.offset;
+  [[nodiscard]] bool store_short(Location location, ShortValue value) noexcept {
+    if (!location.description->is_plainly_writable || location.description->length != value.length)
+      return false;
+    std::uint8_t* const to = block_.data() + location.offset;
     if (value.length == 4) [[likely]] {
       std::memcpy(to, &value.number, 4);
     } else {
@@ -125,8 +126,8 @@ class ObjectDictionary {
     }
     return true;
   }
-  [[nodiscard]] static Entry entry_at(Place place, std::uint32_t multiplexer) noexcept {
-    return {place.description, place.offset, static_cast<std::uint16_t>(multiplexer >> 8),
+  [[nodiscard]] static Entry entry_at(Location location, std::uint32_t multiplexer) noexcept {
+    return {location.description, location.offset, static_cast<std::uint16_t>(multiplexer >> 8),
             static_cast<std::uint8_t>(multiplexer >> 24)};
   }
   void report_written(const Entry& entry, can::Time now) {
@@ -235,7 +236,7 @@ class ObjectDictionary {
   static constexpr std::size_t spare = 8;  // bytes behind the values
   std::vector<std::uint8_t> block_;        // first, for the owner to have it beside what else a frame needs
   std::shared_ptr<const DictionaryDescription> description_;
-  // What read_short() found last. Who reads one value again and again does not wait for the way through the
+  // What read_short() found last. A caller that reads one value again and again does not wait for the search in the
   // description, five loads of which each needs the one before.
   struct LastShort {
     std::uint32_t multiplexer = 0xFF;  // none has bits 0-7

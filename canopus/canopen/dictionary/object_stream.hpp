@@ -59,7 +59,7 @@ class ObjectStream : public ByteSource, public ByteSink {
   virtual std::expected<std::optional<std::size_t>, AbortCode> open_read(const Entry&, can::Time) {
     return std::unexpected(AbortCode::unsupported_access);
   }
-  /// A download begins; its size, if the client said it.
+  /// A download begins; its size, if the client indicated it.
   virtual AbortCode open_write(const Entry&, std::optional<std::size_t> /*size*/, can::Time) {
     return AbortCode::unsupported_access;
   }

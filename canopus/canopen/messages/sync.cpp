@@ -10,7 +10,7 @@ Sync::Sync(NodeContext& node) : node_(node), timer_(node.timers.add()) {
 void Sync::read() {
   const ObjectDictionary& d = node_.dictionary;
   cob_id_ = CobId{d.get<std::uint32_t>(0x1005, 0)};
-  if (is_restricted(cob_id_)) cob_id_ = {};  // neither sent nor heard
+  if (is_restricted(cob_id_)) cob_id_ = {};  // neither sent nor received
   period_ = in_steps(d.get<std::uint32_t>(0x1006, 0), std::chrono::microseconds(1),
                      node_.options.sync_period_resolution);
   window_ = std::chrono::microseconds(d.get<std::uint32_t>(0x1007, 0));

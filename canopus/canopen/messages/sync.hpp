@@ -26,9 +26,9 @@ class Sync final : public ObjectHandler {
   /// The NMT state or the master's role changed: production starts (counter 1) or stops.
   void state_changed(can::Time now);
 
-  /// A frame with the SYNC identifier came. True: it is a SYNC, and counter() is what it said.
+  /// A frame with the SYNC identifier came. True: it is a SYNC, and counter() is what it carried.
   bool receive(const can::Frame& frame, can::Time now);
-  /// Time to produce one: sends it. True when it went out, and counter() is what it said.
+  /// Time to produce one: sends it. True when it was sent, and counter() is what it carried.
   bool tick(can::Time now);
   [[nodiscard]] std::uint8_t counter() const noexcept { return counter_; }
   /// End of the synchronous window that the last SYNC opened; never when there is no window.

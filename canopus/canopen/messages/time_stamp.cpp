@@ -11,7 +11,7 @@ TimeStamp::TimeStamp(NodeContext& node) : node_(node) { node.dictionary.attach(0
 void TimeStamp::start() {
   if (node_.state == NmtState::initialising) return;
   cob_id_ = CobId{node_.dictionary.get<std::uint32_t>(0x1012, 0)};
-  if (is_restricted(cob_id_)) cob_id_ = CobId{0};  // neither sent nor heard
+  if (is_restricted(cob_id_)) cob_id_ = CobId{0};  // neither sent nor received
   node_.change_identifiers();
 }
 

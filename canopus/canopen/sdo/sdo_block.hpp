@@ -17,7 +17,7 @@
 //
 // CAN may deliver a frame twice: the segment that asks for a confirmation is answered once, and a
 // confirmation that comes again is passed over if its number is more than what was sent since. When the
-// number fits, and when a segment comes twice in sub-blocks of one, it cannot be told from a new one: the CRC
+// number fits, and when a segment comes twice in sub-blocks of one, it cannot be distinguished from a new one: the CRC
 // judges, or the size.
 
 #include <bit>
@@ -83,7 +83,7 @@ class BlockReceiver {
   /// transfer: C0H.. would pass for a last segment if it came again.
   void begin(std::uint8_t block_size, bool with_crc, const can::Frame& initiation) noexcept;
   /// A segment came: hands its bytes on if it is the one that is due. Says whether it is now time to confirm.
-  AbortCode take(const can::Frame& segment, SegmentCollector& collector, Next& next) {
+  AbortCode receive(const can::Frame& segment, SegmentCollector& collector, Next& next) {
     const unsigned sequence = segment.data[0] & 0x7FU;
     const bool last = (segment.data[0] & sdo::last_segment) != 0;
     if (sequence == 0 || sequence > block_size_) return AbortCode::sequence_number;

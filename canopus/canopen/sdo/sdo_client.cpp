@@ -26,14 +26,14 @@ void SdoClient::set_channel(std::uint32_t request, std::uint32_t response) {
 
 // Everything is set before a frame goes out: on a bus that is a function call, the answer comes from inside
 // send().
-inline bool SdoClient::start(State state, const can::Frame& request, SdoClientListener& user, can::Time now,
-                             can::Duration time_out) {
+inline bool SdoClient::start(State state, const can::Frame& request, SdoClientListener& listener,
+                             can::Time now, can::Duration time_out) {
   state_ = state;
   toggle_ = 0;
   all_sent_ = false;
   gave_up_ = false;
   abort_code_ = AbortCode::none;
-  user_ = &user;
+  listener_ = &listener;
   multiplexer_ = sdo::multiplexer(request);
   collector_.clear();
   time_out_ = time_out;
@@ -44,38 +44,38 @@ inline bool SdoClient::start(State state, const can::Frame& request, SdoClientLi
   return false;
 }
 
-bool SdoClient::upload(std::uint16_t index, std::uint8_t sub, SdoClientListener& user, can::Time now,
+bool SdoClient::upload(std::uint16_t index, std::uint8_t sub, SdoClientListener& listener, can::Time now,
                        can::Duration time_out, Mode mode, ByteSink* into) {
   if (busy()) return false;
   into_ = into;
   if (mode == Mode::segmented) {
-    return start(State::initiate_upload, sdo::frame(request_, 0x40, sdo::multiplexer(index, sub)), user, now,
-                 time_out);
+    return start(State::initiate_upload, sdo::frame(request_, 0x40, sdo::multiplexer(index, sub)), listener,
+                 now, time_out);
   }
   const std::uint32_t block_size_and_threshold = own_block_size | std::uint32_t{switch_threshold_} << 8;
   return start(
       State::initiate_block_upload,
       sdo::frame(request_, 0xA0U | sdo::crc_bit, sdo::multiplexer(index, sub), block_size_and_threshold),
-      user, now, time_out);
+      listener, now, time_out);
 }
 
 bool SdoClient::start_download(State state, std::uint16_t index, std::uint8_t sub,
-                               std::optional<std::uint32_t> size, SdoClientListener& user, can::Time now,
+                               std::optional<std::uint32_t> size, SdoClientListener& listener, can::Time now,
                                can::Duration time_out) {
   expedited_ = false;
   const bool in_blocks = state == State::initiate_block_download;
   const unsigned size_bit = !size ? 0U : in_blocks ? 2U : 1U;
   const unsigned command = in_blocks ? 0xC0U | sdo::crc_bit : 0x20U;
   return start(state,
-               sdo::frame(request_, command | size_bit, sdo::multiplexer(index, sub), size.value_or(0)), user,
-               now, time_out);
+               sdo::frame(request_, command | size_bit, sdo::multiplexer(index, sub), size.value_or(0)),
+               listener, now, time_out);
 }
 
 bool SdoClient::download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data,
-                         SdoClientListener& user, can::Time now, can::Duration time_out, Mode mode) {
+                         SdoClientListener& listener, can::Time now, can::Duration time_out, Mode mode) {
   if (busy()) return false;
   if (data.empty() || data.size() > 4)
-    return start_long_download(index, sub, data, user, now, time_out, mode);
+    return start_long_download(index, sub, data, listener, now, time_out, mode);
   unsigned command = 0x23;
   std::uint32_t value = 0;
   if (data.size() == 4) [[likely]] {
@@ -86,25 +86,25 @@ bool SdoClient::download(std::uint16_t index, std::uint8_t sub, std::span<const 
   }
   expedited_ = true;
   return start(State::initiate_download, sdo::frame(request_, command, sdo::multiplexer(index, sub), value),
-               user, now, time_out);
+               listener, now, time_out);
 }
 
 [[gnu::noinline]] bool SdoClient::start_long_download(std::uint16_t index, std::uint8_t sub,
                                                       std::span<const std::uint8_t> data,
-                                                      SdoClientListener& user, can::Time now,
+                                                      SdoClientListener& listener, can::Time now,
                                                       can::Duration time_out, Mode mode) {
   source_.begin(data);
   return start_download(mode == Mode::block ? State::initiate_block_download : State::initiate_download,
-                        index, sub, static_cast<std::uint32_t>(data.size()), user, now, time_out);
+                        index, sub, static_cast<std::uint32_t>(data.size()), listener, now, time_out);
 }
 
 bool SdoClient::download(std::uint16_t index, std::uint8_t sub, ByteSource& source,
-                         std::optional<std::uint32_t> size, SdoClientListener& user, can::Time now,
+                         std::optional<std::uint32_t> size, SdoClientListener& listener, can::Time now,
                          can::Duration time_out, Mode mode) {
   if (busy()) return false;
   source_.begin(source);
   return start_download(mode == Mode::block ? State::initiate_block_download : State::initiate_download,
-                        index, sub, size, user, now, time_out);
+                        index, sub, size, listener, now, time_out);
 }
 
 void SdoClient::cancel(AbortCode code) {
@@ -125,7 +125,7 @@ void SdoClient::finish(AbortCode code, can::Time now) {
   block_sender_.stop();
   alarm_ = can::never;
   abort_code_ = code;
-  user_->sdo_finished(*this, now);  // may start the next transfer
+  listener_->sdo_finished(*this, now);  // may start the next transfer
 }
 
 void SdoClient::give_up(AbortCode code, can::Time now) {
@@ -134,7 +134,7 @@ void SdoClient::give_up(AbortCode code, can::Time now) {
   finish(code, now);
 }
 
-// What cannot be taken: the server hears of a full memory where the user hears of too small a buffer.
+// What does not fit: the server gets the code of a full memory, the listener that of too small a buffer.
 void SdoClient::refuse(AbortCode code, can::Time now) {
   if (code != buffer_too_small) return give_up(code, now);
   sink_->send(sdo::abort_frame(request_, multiplexer_, AbortCode::out_of_memory));
@@ -142,7 +142,7 @@ void SdoClient::refuse(AbortCode code, can::Time now) {
 }
 
 /// An answer on this channel while a transfer runs.
-void SdoClient::take(const can::Frame& frame, can::Time now) {
+void SdoClient::process(const can::Frame& frame, can::Time now) {
   switch (state_) {
     case State::idle: return;
     case State::initiate_upload: return upload_initiated(frame, now);
@@ -180,16 +180,16 @@ void SdoClient::upload_initiated(const can::Frame& frame, can::Time now) {
 inline void SdoClient::object_uploaded(const can::Frame& frame, can::Time now) {
   if ((frame.data[0] & sdo::expedited_bit) == 0) return long_upload_initiated(frame, now);
   constexpr std::size_t most_expedited = 4;
-  if (into_ != nullptr || maximum_size_ < most_expedited) return take_expedited(frame, now);
-  collector_.take(sdo::value(frame), sdo::expedited_data(frame).size());
+  if (into_ != nullptr || maximum_size_ < most_expedited) return receive_expedited(frame, now);
+  collector_.append(sdo::value(frame), sdo::expedited_data(frame).size());
   finish(AbortCode::none, now);
 }
 
-void SdoClient::take_expedited(const can::Frame& frame, can::Time now) {
+void SdoClient::receive_expedited(const can::Frame& frame, can::Time now) {
   const auto data = sdo::expedited_data(frame);
   if (data.size() > maximum_size_) return refuse(buffer_too_small, now);
   if (into_ == nullptr) {
-    collector_.take(sdo::value(frame), data.size());
+    collector_.append(sdo::value(frame), data.size());
   } else if (const AbortCode code = into_->write(data); code != AbortCode::none) {
     return give_up(code, now);
   }
@@ -217,10 +217,10 @@ void SdoClient::segment_uploaded(const can::Frame& frame, can::Time now) {
     toggle_ ^= sdo::toggle_bit;
     return request_segment(now);
   }
-  take_segment_with_care(frame, now);
+  receive_segment_checked(frame, now);
 }
 
-void SdoClient::take_segment_with_care(const can::Frame& frame, can::Time now) {
+void SdoClient::receive_segment_checked(const can::Frame& frame, can::Time now) {
   if (static_cast<ServerCommand>(frame.data[0] >> 5) != ServerCommand::upload_segment) {
     return unexpected(frame, now);
   }

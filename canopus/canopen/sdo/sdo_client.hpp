@@ -56,19 +56,19 @@ class SdoClient {
 
   /// Starts reading. False when busy() or the frame could not be queued. With `into`, the bytes go there as
   /// they come, and data() stays empty.
-  bool upload(std::uint16_t index, std::uint8_t sub, SdoClientListener& user, can::Time now,
+  bool upload(std::uint16_t index, std::uint8_t sub, SdoClientListener& listener, can::Time now,
               can::Duration time_out = default_time_out, Mode mode = Mode::segmented,
               ByteSink* into = nullptr);
   /// Starts writing; `data` must stay valid until the end. Up to 4 bytes go expedited, more segmented or in
   /// blocks. False as above.
   bool download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data,
-                SdoClientListener& user, can::Time now, can::Duration time_out = default_time_out,
+                SdoClientListener& listener, can::Time now, can::Duration time_out = default_time_out,
                 Mode mode = Mode::segmented);
   /// Starts writing what `source` gives, whose size is indicated to the server if it is known.
   bool download(std::uint16_t index, std::uint8_t sub, ByteSource& source, std::optional<std::uint32_t> size,
-                SdoClientListener& user, can::Time now, can::Duration time_out = default_time_out,
+                SdoClientListener& listener, can::Time now, can::Duration time_out = default_time_out,
                 Mode mode = Mode::segmented);
-  /// Gives the running transfer up with an abort frame; its user is not called.
+  /// Gives the running transfer up with an abort frame; its listener is not called.
   void cancel(AbortCode code);
   /// The same without a frame: the node has to keep silent (Stopped).
   void drop(AbortCode code) noexcept;
@@ -80,8 +80,7 @@ class SdoClient {
   [[nodiscard]] std::size_t maximum_size() const noexcept { return maximum_size_; }
 
   /// Block uploads: a server may answer a value of up to this many bytes expedited or segmented instead; 0 =
-  /// never, one that does so is aborted with 05040001H. 4 as long as nobody says otherwise: what fits comes
-  /// expedited.
+  /// never, one that does so is aborted with 05040001H. 4 at first: what fits comes expedited.
   void set_switch_threshold(std::uint8_t bytes) noexcept { switch_threshold_ = bytes; }
 
   // The last transfer, from sdo_finished() on until the next one starts.
@@ -101,7 +100,7 @@ class SdoClient {
   /// True when the frame was an answer on this channel (whether or not it was of use).
   bool receive(const can::Frame& frame, can::Time now) {
     if (head_without_dlc(frame) != response_) return false;
-    if (frame.dlc != 0) take(frame, now);
+    if (frame.dlc != 0) process(frame, now);
     return true;
   }
   void tick(can::Time now);
@@ -123,13 +122,13 @@ class SdoClient {
     block_download_end,  // C1H is out, A1H is to come
   };
 
-  void take(const can::Frame& frame, can::Time now);
-  bool start(State state, const can::Frame& request, SdoClientListener& user, can::Time now,
+  void process(const can::Frame& frame, can::Time now);
+  bool start(State state, const can::Frame& request, SdoClientListener& listener, can::Time now,
              can::Duration time_out);
   bool start_download(State state, std::uint16_t index, std::uint8_t sub, std::optional<std::uint32_t> size,
-                      SdoClientListener& user, can::Time now, can::Duration time_out);
+                      SdoClientListener& listener, can::Time now, can::Duration time_out);
   bool start_long_download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data,
-                           SdoClientListener& user, can::Time now, can::Duration time_out, Mode mode);
+                           SdoClientListener& listener, can::Time now, can::Duration time_out, Mode mode);
   void unexpected(const can::Frame& frame, can::Time now);
   void aborted(const can::Frame& frame, can::Time now);
   void finish(AbortCode code, can::Time now);
@@ -144,10 +143,10 @@ class SdoClient {
   void upload_initiated(const can::Frame& frame, can::Time now);
   void object_uploaded(const can::Frame& frame, can::Time now);
   void long_upload_initiated(const can::Frame& frame, can::Time now);
-  void take_expedited(const can::Frame& frame, can::Time now);
+  void receive_expedited(const can::Frame& frame, can::Time now);
   void request_segment(can::Time now);
   void segment_uploaded(const can::Frame& frame, can::Time now);
-  void take_segment_with_care(const can::Frame& frame, can::Time now);
+  void receive_segment_checked(const can::Frame& frame, can::Time now);
   void download_initiated(const can::Frame& frame, can::Time now);
   void send_segment(can::Time now);
   void send_last_segment(can::Time now);
@@ -165,7 +164,7 @@ class SdoClient {
   static constexpr std::uint8_t own_block_size = 127;
 
   can::Sink* sink_;
-  SdoClientListener* user_ = nullptr;
+  SdoClientListener* listener_ = nullptr;
   FrameHead request_;
   std::uint64_t response_ = 0;     // head_without_dlc() of the answers
   std::uint32_t multiplexer_ = 0;  // index and sub-index of the transfer, as in its frames

@@ -67,7 +67,7 @@ void SdoClient::block_upload_initiated(const can::Frame& frame, can::Time now) {
 void SdoClient::block_segment(const can::Frame& frame, can::Time now) {
   last_heard_ = now;
   auto next = BlockReceiver::Next::segment;
-  if (const AbortCode code = block_receiver_.take(frame, collector_, next); code != AbortCode::none) {
+  if (const AbortCode code = block_receiver_.receive(frame, collector_, next); code != AbortCode::none) {
     return refuse(code, now);
   }
   if (next == BlockReceiver::Next::confirmation) confirm_block();

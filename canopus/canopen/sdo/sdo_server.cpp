@@ -16,7 +16,7 @@ using sdo::ClientCommand;
 namespace {
 
 /// The same as ObjectDictionary::entry_at(), in two stores.
-Entry written_entry(ObjectDictionary::Place place, std::uint32_t multiplexer) {
+Entry written_entry(ObjectDictionary::Location place, std::uint32_t multiplexer) {
   static_assert(sizeof(Entry) == 16 && offsetof(Entry, offset) == 8 && offsetof(Entry, index) == 12 &&
                 offsetof(Entry, sub) == 14 && std::is_trivially_copyable_v<Entry>);
   const std::uint64_t where = place.offset | std::uint64_t{multiplexer >> 8} << 32;
@@ -163,7 +163,7 @@ void SdoServer::expedited_download(const can::Frame& frame, const Entry& entry, 
   sink_->send(sdo::frame(response_, 0x60, sdo::multiplexer(frame)));
 }
 
-/// A size is indicated. In two steps: the way to the value, which calls nobody, has little to save.
+/// A size is indicated. In two steps: the search of the value, which calls no other function, saves few registers.
 void SdoServer::download_expedited(const can::Frame& frame, can::Time now) {
   const auto place = dictionary_->find_plain(static_cast<std::uint32_t>(data_word(frame)));
   const auto length = static_cast<std::uint8_t>(4U - (frame.data[0] >> 2 & 3U));
@@ -173,7 +173,7 @@ void SdoServer::download_expedited(const can::Frame& frame, can::Time now) {
   short_written(sdo::multiplexer(frame), place, now);
 }
 
-[[gnu::noinline]] void SdoServer::short_written(std::uint32_t multiplexer, ObjectDictionary::Place place,
+[[gnu::noinline]] void SdoServer::short_written(std::uint32_t multiplexer, ObjectDictionary::Location place,
                                                 can::Time now) {
   const Entry entry = written_entry(place, multiplexer);  // stays beside the frame, which saves a register
   dictionary_->report_written(entry, now);
@@ -197,13 +197,13 @@ void SdoServer::download_segment(const can::Frame& frame, can::Time now) {
   // Not the last one, with the toggle bit that is due, and nothing to see to.
   const unsigned toggle = frame.data[0] & ~sdo::unused_bits;
   if (toggle != toggle_ || !collector_.add_plain(frame, sdo::segment_length(frame)))
-    return take_segment_with_care(frame, now);
+    return receive_segment_checked(frame, now);
   toggle_ ^= sdo::toggle_bit;
   sink_->send(sdo::frame(response_, 0x20U | toggle));
 }
 
 /// The last segment, or one that is more than a copy.
-void SdoServer::take_segment_with_care(const can::Frame& frame, can::Time now) {
+void SdoServer::receive_segment_checked(const can::Frame& frame, can::Time now) {
   const unsigned toggle = frame.data[0] & sdo::toggle_bit;
   if (toggle != toggle_) return abort(AbortCode::toggle_bit);
   AbortCode code = collector_.add(frame, sdo::segment_length(frame));

@@ -70,11 +70,11 @@ class SdoServer {
   [[gnu::noinline]] void receive_other(const can::Frame& frame, can::Time now);
   void receive_in_block(const can::Frame& frame, can::Time now);
   void download_expedited(const can::Frame& frame, can::Time now);
-  void short_written(std::uint32_t multiplexer, ObjectDictionary::Place place, can::Time now);
+  void short_written(std::uint32_t multiplexer, ObjectDictionary::Location place, can::Time now);
   void initiate_other_download(const can::Frame& frame, can::Time now);
   void expedited_download(const can::Frame& frame, const Entry& entry, can::Time now);
   void download_segment(const can::Frame& frame, can::Time now);
-  [[gnu::noinline]] void take_segment_with_care(const can::Frame& frame, can::Time now);
+  [[gnu::noinline]] void receive_segment_checked(const can::Frame& frame, can::Time now);
   [[nodiscard]] AbortCode begin_download(const can::Frame& frame, State state, bool size_indicated,
                                          std::size_t slack, can::Time now);
   [[nodiscard]] AbortCode store_download(can::Time now);

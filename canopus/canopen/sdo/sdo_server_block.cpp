@@ -58,7 +58,7 @@ void SdoServer::initiate_block_download(const can::Frame& frame, can::Time now) 
 void SdoServer::block_segment(const can::Frame& frame, can::Time now) {
   last_heard_ = now;
   auto next = BlockReceiver::Next::segment;
-  if (const AbortCode code = block_receiver_.take(frame, collector_, next); code != AbortCode::none) {
+  if (const AbortCode code = block_receiver_.receive(frame, collector_, next); code != AbortCode::none) {
     return abort(code);
   }
   if (next == BlockReceiver::Next::confirmation) confirm_block();

@@ -54,12 +54,12 @@ void SegmentCollector::begin(ByteSink* stream, std::size_t maximum, AbortCode to
   const std::size_t room =
       stream != nullptr ? hand_on_at + kept : std::min(announced.value_or(0) + kept, largest_reservation);
   if (memory_.size() < room + 1) memory_.resize(room + 1);
-  look_ahead();
+  prefetch();
 }
 
 void SegmentCollector::grow() { memory_.resize(std::max<std::size_t>(2 * memory_.size(), 64)); }
 
-void SegmentCollector::look_ahead() noexcept {
+void SegmentCollector::prefetch() noexcept {
   const auto before = [](std::size_t end, std::size_t bytes) { return end > bytes ? end - bytes : 0; };
   plain_until_ = std::min(before(memory_.size(), 7), before(limit_ + slack_, handed_on_ + 6));
   if (stream_ != nullptr) plain_until_ = std::min(plain_until_, before(hand_on_at, 7));
@@ -70,7 +70,7 @@ AbortCode SegmentCollector::add_with_care(const can::Frame& segment, std::size_t
   if (memory_.size() < used_ + 8) grow();
   put(segment, count);
   const AbortCode code = stream_ != nullptr && used_ >= hand_on_at ? hand_on(kept) : AbortCode::none;
-  look_ahead();
+  prefetch();
   return code;
 }
 

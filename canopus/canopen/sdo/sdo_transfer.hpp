@@ -63,7 +63,7 @@ class SegmentCollector {
     return true;
   }
   /// A whole value of 1..4 bytes that came at once, for memory, after make_room(): instead of all the rest.
-  void take(std::uint32_t value, std::size_t count) {
+  void append(std::uint32_t value, std::size_t count) {
     std::memcpy(memory_.data(), &value, 4);
     used_ = count;
   }
@@ -75,7 +75,7 @@ class SegmentCollector {
   /// What was collected in memory.
   [[nodiscard]] std::span<const std::uint8_t> bytes() const noexcept { return {memory_.data(), used_}; }
   void clear() noexcept { used_ = 0; }
-  /// For what take() brings.
+  /// For what append() brings.
   void make_room() {
     if (memory_.empty()) grow();
   }
@@ -93,7 +93,7 @@ class SegmentCollector {
   AbortCode add_with_care(const can::Frame& segment, std::size_t count);
   AbortCode hand_on(std::size_t keep);
   void grow();
-  void look_ahead() noexcept;
+  void prefetch() noexcept;
 
   std::vector<std::uint8_t> memory_;  // what is used of it is a value; grown, never shrunk
   std::size_t used_ = 0;

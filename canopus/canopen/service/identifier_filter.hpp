@@ -1,7 +1,7 @@
 #pragma once
-// Which frames cannot concern a node, told by the low six bits of the identifier alone: on a bus that hands
+// Which frames cannot concern a node, by the low six bits of the identifier alone: on a bus that hands
 // every frame to every node, most frames carry another node's number there. One word, which lies in the node
-// itself: a frame for somebody else costs five instructions and one cache line.
+// itself: a frame for another node costs five instructions and one cache line.
 
 #include <cstdint>
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the application around a node hears of it, and the values that are reported to it.
+// What a node reports to the application around it.
 
 #include <array>
 #include <cstdint>
@@ -25,7 +25,7 @@ struct TimeOfDay {
   std::uint16_t days = 0;          ///< since 1984-01-01
 };
 
-/// What the application around a node hears of it. Every function has an empty default.
+/// What a node reports to the application around it. Every function has an empty default.
 class NodeListener {
  public:
   /// The NMT state was entered, by a command, by the end of initialisation or by 1029H.

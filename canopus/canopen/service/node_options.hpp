@@ -14,7 +14,7 @@ namespace canopus::canopen {
 
 struct NodeOptions {
   // --- NMT
-  /// From an NMT reset to the boot-up message; meanwhile the node hears and says nothing.
+  /// From an NMT reset to the boot-up message; meanwhile the node receives and sends nothing.
   can::Duration reset_time{};
 
   // --- PDO
@@ -81,7 +81,7 @@ struct NodeOptions {
   /// [ME3CAN1-Q 8.2.1].
   std::uint16_t sync_length_error = emcy_code::sync_length;
 
-  /// A dictionary without 1014H sends EMCY with the pre-defined COB-ID, one without 1028H hears those of all nodes [CiA
+  /// A dictionary without 1014H sends EMCY with the pre-defined COB-ID, one without 1028H receives those of all nodes [CiA
   /// DS-301 V3; FX2N-32CAN 5.3.2].
   bool predefined_emergency = false;
   /// What 1029H:01 counts as where it is missing [CiA 301 7.5.2.32].

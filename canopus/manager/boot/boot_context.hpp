@@ -10,19 +10,19 @@
 
 namespace canopus::manager {
 
-/// What a part says when it was begun, or an answer came.
+/// What a part returns when it was begun, or an answer came.
 enum class StepResult : std::uint8_t {
   wait,           ///< for an answer or a time
   go_on,          ///< it is done: the next part
   from_presence,  ///< the boot begins again with 1000H
-  from_start,     ///< the boot begins again as after a boot-up message that nobody expected
+  from_start,     ///< the boot begins again as after an unexpected boot-up message
 };
 /// That, or the error that ends the boot.
 using BootOutcome = std::expected<StepResult, BootError>;
 
 struct BootContext {
-  BootContext(std::uint8_t id, BootHost& the_host, can::Sink& sink, BootTransferListener& user)
-      : node_id(id), host(the_host), transfer(id, the_host, sink, record, user) {}
+  BootContext(std::uint8_t id, BootHost& the_host, can::Sink& sink, BootTransferListener& listener)
+      : node_id(id), host(the_host), transfer(id, the_host, sink, record, listener) {}
 
   /// The boot is at this step. `limit`: how long it may take, 0 = no limit.
   void enter(BootStep step, can::Time now, can::Duration limit = {}) {

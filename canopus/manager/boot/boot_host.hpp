@@ -29,10 +29,10 @@ class BootHost {
   virtual void start_guarding(std::uint8_t node_id, can::Time now) = 0;
   virtual std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) = 0;
   virtual Program open_program(std::uint8_t node_id) = 0;
-  /// False: somebody else has a transfer with this node, or has waited for one. The boot then asks again
+  /// False: another user has a transfer with this node, or has waited for one. The boot then asks again
   /// after MasterOptions::busy_retry, or when channel_freed() is called.
   virtual bool sdo_channel_free(std::uint8_t node_id, can::Time now) = 0;
-  /// A request to this node is in line for the bus, and the line moves.
+  /// A request to this node is in the queue, and the queue moves.
   virtual bool request_waits(std::uint8_t node_id, can::Time now) const = 0;
   /// Boots that have a block download going on.
   virtual unsigned blocks_running() const = 0;

@@ -5,8 +5,8 @@
 namespace canopus::manager {
 
 BootTransfer::BootTransfer(std::uint8_t node_id, BootHost& host, can::Sink& sink, BootRecord& record,
-                           BootTransferListener& user)
-    : node_id_(node_id), host_(&host), record_(&record), user_(&user), client_(sink) {
+                           BootTransferListener& listener)
+    : node_id_(node_id), host_(&host), record_(&record), listener_(&listener), client_(sink) {
   client_.set_server(node_id);
   alarm_.add_part(retry_);
   alarm_.add_part(client_.alarm());
@@ -127,7 +127,7 @@ void BootTransfer::tick(can::Time now) {
 
 void BootTransfer::sdo_finished(canopen::SdoClient& client, can::Time now) {
   record_->abort_code = client.abort_code();
-  user_->transfer_ended(now);
+  listener_->transfer_ended(now);
 }
 
 }  // namespace canopus::manager

@@ -1,6 +1,6 @@
 #pragma once
 // The SDO transfers of one slave's boot, one at a time on the slave's default channel. A transfer waits for
-// the channel when somebody else has it, and long values go in blocks as far as the slave knows them and not
+// the channel when another user has it, and long values go in blocks as far as the slave knows them and not
 // too many others do the same.
 //
 // Which object it is, how much of a program is on its way and how it ended stands in the boot's record.
@@ -28,7 +28,7 @@ class BootTransfer final : private canopen::SdoClientListener, private canopen::
  public:
   /// All must outlive it.
   BootTransfer(std::uint8_t node_id, BootHost& host, can::Sink& sink, BootRecord& record,
-               BootTransferListener& user);
+               BootTransferListener& listener);
 
   void read(std::uint16_t index, std::uint8_t sub, can::Time now);
   /// `data` must stay valid until the end.
@@ -81,7 +81,7 @@ class BootTransfer final : private canopen::SdoClientListener, private canopen::
   std::uint8_t node_id_;
   BootHost* host_;
   BootRecord* record_;
-  BootTransferListener* user_;
+  BootTransferListener* listener_;
   canopen::SdoClient client_;
   Kind kind_ = Kind::read;
   std::span<const std::uint8_t> data_;  // what is written

@@ -41,7 +41,7 @@ struct MasterOptions {
   /// answers. One that comes within this time after a reset, after the slave has answered, is taken for that
   /// reset's.
   can::Duration late_boot_up = std::chrono::seconds(10);
-  /// Pause before an SDO channel that somebody else uses is tried again (MasterListener::sdo_channel_free).
+  /// Pause before an SDO channel that is in use is tried again (MasterListener::sdo_channel_free).
   can::Duration busy_retry = std::chrono::milliseconds(10);
   /// Values of the configuration of so many bytes and more go in SDO blocks, which is fewer frames from 22
   /// bytes on, and segmented if the slave does not know blocks; 0 = never in blocks. Programs always try.
@@ -82,7 +82,7 @@ struct MasterOptions {
   /// A guarding answer that was sent before a state change could take effect is not held against the slave
   /// for this long after the NMT command.
   can::Duration state_change_grace = std::chrono::milliseconds(50);
-  /// error_control::guarding_active and heartbeat_active end with the time-out, until the node is heard again
+  /// error_control::guarding_active and heartbeat_active end with the time-out, until it is alive again
   /// [RJ71CN91 App. 2 G401].
   bool time_out_ends_activity = false;
   /// Heartbeats are compared with the state that this node has commanded, or with the first one: error_control::unexpected_state,
@@ -134,7 +134,7 @@ inline constexpr std::uint8_t reset_communication = 0x07;  ///< own node only
 inline constexpr std::uint8_t pre_operational = 0x7F;
 }  // namespace node_state
 
-/// What the application around a master hears of it. Every function has an empty default. Functions of the
+/// What a master reports to the application around it. Every function has an empty default. Functions of the
 /// master may be called from inside.
 class MasterListener {
  public:
@@ -159,7 +159,7 @@ class MasterListener {
   virtual void slave_booted(std::uint8_t /*node_id*/, can::Time) {}
   virtual void slave_failed(std::uint8_t /*node_id*/, BootError, can::Time) {}
   virtual void error_control_event(std::uint8_t /*node_id*/, ErrorControlEvent, can::Time) {}
-  /// A node that had an error control event is heard again.
+  /// A node that had an error control event is alive again.
   virtual void error_control_resolved(std::uint8_t /*node_id*/, can::Time) {}
   /// NmtMaster::node_state(node_id) changed.
   virtual void node_state_changed(std::uint8_t /*node_id*/, std::uint8_t /*state*/, can::Time) {}

@@ -1,5 +1,5 @@
 #pragma once
-// Bits of 1F80H and 1F81H [CiA 302-2; ME3CAN1-Q 4.8.5, 4.8.6], said once for the master, for what checks the
+// Bits of 1F80H and 1F81H [CiA 302-2; ME3CAN1-Q 4.8.5, 4.8.6], for the master, for what checks the
 // objects, and for what writes them.
 
 #include <chrono>

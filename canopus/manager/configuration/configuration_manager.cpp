@@ -26,8 +26,8 @@ bool is_deletion(std::span<const std::uint8_t> file) noexcept {
 
 }  // namespace
 
-ConfigurationManager::ConfigurationManager(canopen::Node& node, NmtMaster& master,
-                                           ConfigurationStore* store, ConfigurationOptions options)
+ConfigurationManager::ConfigurationManager(canopen::Node& node, NmtMaster& master, ConfigurationStore* store,
+                                           ConfigurationOptions options)
     : master_(&master), store_(store), options_(options) {
   node.attach(concise_dcf_index, concise_dcf_index, *this);
   node.attach(request_index, request_index, *this);

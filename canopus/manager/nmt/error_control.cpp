@@ -7,7 +7,7 @@ using canopen::NmtState;
 
 namespace {
 
-// What a slave says of itself, as 1F82H shows it: a reserved value is no state.
+// What a slave reports of itself, as 1F82H shows it: a reserved value is no state.
 constexpr std::uint8_t shown_state(std::uint8_t state) noexcept {
   switch (static_cast<NmtState>(state)) {
     case NmtState::stopped:
@@ -90,7 +90,7 @@ bool ErrorControl::state_message(std::uint8_t node_id, std::uint8_t byte, can::T
   master_.set_state(node_id, shown_state(state), now);
   if (slave.guarding.alive()) master_.set_error_bits(node_id, error_control::guarding_active, 0, now);
   if (answer.resolved) resolve(node_id, now);
-  // The option's other half: who nobody has commanded is expected in its first state [RJ71CN91 1.8 note 1].
+  // The option's other half: a slave that was not commanded is expected in its first state [RJ71CN91 1.8 note 1].
   if (begins && !slave.commanded && master_.options.heartbeat_state_is_checked) slave.expected_state = state;
   check_guarded_state(node_id, state, now);
   return true;
@@ -134,7 +134,7 @@ void ErrorControl::presence_known(std::uint8_t node_id, bool present, can::Time 
     const bool is_expected = (master_.assignment(node_id) & assignment_bit::mandatory) != 0 &&
                              master_.dictionary().get<std::uint32_t>(0x1F89, 0) != 0;
     const bool is_shown = is_expected || !master_.options.commands_show_all_nodes;
-    if (is_shown && !slave.is_heard()) master_.set_state(node_id, node_state::missing, now);
+    if (is_shown && !slave.is_alive()) master_.set_state(node_id, node_state::missing, now);
   } else if (slave.state <= node_state::missing &&
              (master_.assignment(node_id) & assignment_bit::keep_alive) == 0) {
     master_.set_state(node_id, node_state::pre_operational, now);
@@ -167,7 +167,7 @@ void ErrorControl::show_commanded(NmtCommand command, std::uint8_t node_id, can:
   slave.expected_since = now;
   slave.wrong_state = false;
   slave.commanded = state != node_state::unknown;
-  if (state == node_state::unknown || !slave.is_heard()) master_.set_state(node_id, state, now);
+  if (state == node_state::unknown || !slave.is_alive()) master_.set_state(node_id, state, now);
 }
 
 // --- guarding
@@ -208,7 +208,7 @@ void ErrorControl::guarding_tick(std::uint8_t node_id, can::Time now) {
   }
 }
 
-// --- everybody
+// --- all nodes
 
 void ErrorControl::forget(can::Time now) {
   forget_lost_heartbeats();

@@ -1,5 +1,5 @@
 #pragma once
-// Error control of the slaves, by heartbeat (1016H, heard by the node itself) and by guarding (1F81H), and
+// Error control of the slaves, by heartbeat (1016H, consumed by the node itself) and by guarding (1F81H), and
 // the states and error bits that are shown of them [CiA 302-2; ME3CAN1-Q 4.6.7, 4.6.8, 4.8.7, notes B9].
 //
 //   heartbeat      first one: active -- consumer time over: missing, an error control event
@@ -18,7 +18,7 @@ class ErrorControl {
  public:
   explicit ErrorControl(MasterContext& master) : master_(master) {}
 
-  // --- what is heard
+  // --- what comes in
   /// From the node's heartbeat consumer; `state` initialising = boot-up.
   void heartbeat_received(std::uint8_t node_id, canopen::NmtState state, can::Time now);
   void heartbeat_lost(std::uint8_t node_id, can::Time now);
@@ -44,7 +44,7 @@ class ErrorControl {
   [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
   void forget_lost_heartbeats() noexcept;
 
-  /// Nothing is known of anybody.
+  /// Nothing is known of any node.
   void forget(can::Time now);
   /// Clears the error bits, not the two activity bits, of one node, or of all (0).
   void clear(std::uint8_t node_id, can::Time now);

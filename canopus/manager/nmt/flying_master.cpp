@@ -76,7 +76,7 @@ void FlyingMaster::tick(can::Time now) {
       sink_->send(can::data_frame(detect_active_master));
       return enter(State::detecting, can::later(now, timing_.time_out));
     case State::detecting:
-      // Whoever comes first finds a network in an unknown state. It is reset once and not by everybody who
+      // The first master finds a network in an unknown state. It is reset once and not by each master that
       // comes back from that very reset, or the resets would never end.
       if (!reset_seen_ || can::later(last_reset_, whole_negotiation()) < now) {
         reset_seen_ = true;
@@ -115,7 +115,7 @@ void FlyingMaster::claimed(std::uint8_t level, std::uint8_t node_id, can::Time n
     case State::off:
     case State::delay: return;  // this node asks in a moment
     case State::standby:
-      // Not ours: another master claims the network, although ours is better. Let them settle it.
+      // Another master claims the network, although the active one is better: they negotiate.
       if (node_id == active_master_) return;
       sink_->send(can::data_frame(force_negotiation));
       return;

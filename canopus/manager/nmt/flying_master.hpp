@@ -8,7 +8,7 @@
 //
 //   delay --1F90H:02--> detecting (073H) --071H of a better one--> standby
 //                          |--071H of a worse one--> 076H, negotiating
-//                          `--1F90H:01, nobody--> Reset communication all (once), negotiating
+//                          `--1F90H:01, none-->   Reset communication all (once), negotiating
 //   negotiating (072H): each waits level x 1F90H:04 + node-ID x 1F90H:05; the first to send 071H --> active
 //   standby: heartbeat of the active master lost --> Reset communication all, delay
 //   active: every 1F90H:06 076H, so that a second active master negotiates; 072H or a better 071H ends it
@@ -96,7 +96,7 @@ class FlyingMaster {
   std::uint8_t active_master_ = 0;
   State state_ = State::off;
   can::Duration heartbeat_time_{};
-  can::Time last_reset_{};  // of all nodes, sent or heard
+  can::Time last_reset_{};  // of all nodes, sent or received
   bool reset_seen_ = false;
   can::Alarm alarm_;
 };

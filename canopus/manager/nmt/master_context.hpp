@@ -1,6 +1,6 @@
 #pragma once
 // What the parts of one NMT master share: its node, whose dictionary configures them, its options, what is
-// known of each slave, the timers; and what they ask of the master as a whole.
+// known of each slave, the alarms; and what they ask of the master as a whole.
 //
 // Whatever waits has an alarm: those of a node's boot and guarding belong to the node's (`alarms`), all others to
 // number 0.
@@ -37,7 +37,7 @@ class MasterContext : public BootHost {
   /// This master is one of several that shall agree.
   virtual void begin_flying(can::Time now) = 0;
 
-  /// nullptr: nobody.
+  /// nullptr: none.
   void set_listener(MasterListener* to) noexcept;
   /// Shows another state or other error control bits, and reports the change.
   void set_state(std::uint8_t node_id, std::uint8_t state, can::Time now);

@@ -2,7 +2,7 @@
 
 namespace canopus::manager {
 
-// A Stopped node sends no SDO and takes none, and nobody is notified [CiA 301 7.3.2.2.4; ME3CAN1-Q 4.8.1]: the
+// A Stopped node sends no SDO and takes none, and nothing is reported [CiA 301 7.3.2.2.4; ME3CAN1-Q 4.8.1]: the
 // start-up finds no answer and goes on asking.
 bool MasterPort::send(const can::Frame& frame) {
   if (muted_) return true;

@@ -3,8 +3,8 @@
 namespace canopus::manager {
 
 void NmtCommandQueue::push(canopen::NmtCommand command, std::uint8_t node_id, can::Time now) {
-  if (count_ == places) return;
-  commands_[(first_ + count_) % places] = {command, node_id};
+  if (count_ == capacity) return;
+  commands_[(first_ + count_) % capacity] = {command, node_id};
   ++count_;
   flush(now);
 }
@@ -14,12 +14,12 @@ void NmtCommandQueue::flush(can::Time now) {
   is_flushing_ = true;
   while (count_ > 0 && next_ <= now) {
     const Command next = commands_[first_];
-    first_ = (first_ + 1) % places;  // before, for clear() may come from inside
+    first_ = (first_ + 1) % capacity;  // before, for clear() may come from inside
     --count_;
     const bool sent = master_.send(
         can::data_frame(canopen::cob_id::nmt, {static_cast<std::uint8_t>(next.command), next.node_id}));
     if (!sent) {
-      first_ = (first_ + places - 1) % places;
+      first_ = (first_ + capacity - 1) % capacity;
       ++count_;
       next_ = later(now, retry);
       break;

@@ -29,12 +29,12 @@ class NmtCommandQueue {
     canopen::NmtCommand command;
     std::uint8_t node_id;
   };
-  static constexpr std::size_t places = 256;
+  static constexpr std::size_t capacity = 256;
   /// A full transmit queue is tried again after this.
   static constexpr can::Duration retry = std::chrono::milliseconds(1);
 
   MasterContext& master_;
-  std::array<Command, places> commands_{};
+  std::array<Command, capacity> commands_{};
   std::size_t first_ = 0;
   std::size_t count_ = 0;
   bool is_flushing_ = false;

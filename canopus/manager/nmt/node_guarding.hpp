@@ -1,7 +1,7 @@
 #pragma once
 // Node guarding, master side, of one slave [CiA 301 node guarding; ME3CAN1-Q 4.6.7]: a remote frame
 // 700H + node-ID every guard time, answered by one byte: toggle bit 7 and the slave's state. The slave is
-// lost when it was not heard for its life time (guard time x retry factor), or when a request was repeated in vain as
+// lost when it did not answer for its life time (guard time x retry factor), or when a request was repeated in vain as
 // often as the retry factor says.
 //
 // Decides only; the remote frames are sent by its owner.
@@ -33,7 +33,7 @@ class NodeGuarding {
   void stop() noexcept;
   /// Nothing is known of the slave.
   void forget() noexcept { change({}); }
-  /// The slave was reset: its silence is no news until it answers, and its toggle bit begins anew.
+  /// The slave was reset: its silence counts as nothing until it answers, and its toggle bit begins anew.
   void expect_silence() noexcept;
   /// The slave's boot-up message: the toggle bit of its next answer is 0.
   void boot_up() noexcept;

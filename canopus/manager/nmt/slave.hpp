@@ -12,8 +12,8 @@
 namespace canopus::manager {
 
 struct Slave {
-  /// It says which state it is in.
-  [[nodiscard]] bool is_heard() const noexcept { return heartbeat_alive || guarding.alive(); }
+  /// Its heartbeats or answers to node guarding come.
+  [[nodiscard]] bool is_alive() const noexcept { return heartbeat_alive || guarding.alive(); }
   [[nodiscard]] bool is_booting() const noexcept { return boot && boot->running(); }
   [[nodiscard]] bool is_booted() const noexcept { return boot && boot->booted(); }
   /// The start-up has an SDO transfer with it.
@@ -29,7 +29,7 @@ struct Slave {
   bool heartbeat_alive = false;
   bool commanded = false;         ///< expected_state was commanded since its boot-up
   bool heartbeat_lost = false;    ///< to be dealt with in the next tick
-  bool in_error = false;          ///< had an error control event, not heard since
+  bool in_error = false;          ///< had an error control event, not alive since
   bool wrong_state = false;       ///< guarding does not see expected_state, and that is reported
   bool held = false;              ///< stopped by request: not started again by itself [ME3CAN1-Q 4.8.8]
   bool boot_counted = false;      ///< among the boots that run

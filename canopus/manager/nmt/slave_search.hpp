@@ -20,7 +20,7 @@ class SlaveSearch final : private lss::LssSearchListener {
 
   /// 1F89H, 1F84H-1F88H of the node are set, and its 1F81H bits 0, 2 and 3.
   [[nodiscard]] bool is_configured(std::uint8_t node_id) const noexcept;
-  /// Begins, as a phase of the start-up. False: there is nobody to look for.
+  /// Begins, as a phase of the start-up. False: no slave is to be searched.
   bool begin(can::Time now);
   /// Ends it, if it goes on; the own controller gets its bit rate back.
   void abandon(can::Time now);

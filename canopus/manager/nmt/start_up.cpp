@@ -100,7 +100,7 @@ void StartUp::start_network(bool network_was_reset, can::Time now) {
   boot_all(reset_network(now), now);
 }
 
-// Step 4. Nodes that want to be kept alive must not hear a reset, so then everybody else is reset singly.
+// Step 4. Nodes that are to be kept alive must not get a reset, so then each of the others is reset singly.
 bool StartUp::reset_network(can::Time now) {
   reset_time_ = now;
   if (network_was_reset_) {
@@ -182,7 +182,7 @@ void StartUp::boot_ended(std::uint8_t node_id, BootError error, can::Time now) {
   master_.listener->slave_booted(node_id, now);
   if (error == BootError::already_operational) {
     slave.expected_state = node_state::operational;
-    if (!slave.is_heard()) master_.set_state(node_id, node_state::operational, now);
+    if (!slave.is_alive()) master_.set_state(node_id, node_state::operational, now);
   } else if (((bits & assignment_bit::boot_slave) != 0 || master_.options.boot_bit_is_for_recovery) &&
              !slave.held && (bits_ & start_up_bit::do_not_start_slaves) == 0 &&
              ((bits_ & start_up_bit::start_all_nodes) == 0 || phase_ == Phase::running)) {
@@ -253,7 +253,7 @@ void StartUp::own_node_is_operational(can::Time now) {
   finish(now);
 }
 
-// One command for all, unless somebody must not be started or is not ready: then each one singly.
+// One command for all, unless a slave must not be started or is not ready: then each one singly.
 void StartUp::start_slaves(can::Time now) {
   enter(Phase::running);
   const bool none_held = std::ranges::none_of(master_.slaves, &Slave::held);

@@ -26,7 +26,8 @@ class StartUp {
   /// Slaves are asked through `sink`; LSS frames go to `wire`.
   StartUp(MasterContext& master, can::Sink& sink, can::Sink& wire)
       : master_(master), sink_(&sink), search_(master, *this, wire) {
-    for (can::Alarm* part : {&phase_end_, &boot_end_, &assigned_due_, &search_.alarm()}) alarm_.add_part(*part);
+    for (can::Alarm* part : {&phase_end_, &boot_end_, &assigned_due_, &search_.alarm()})
+      alarm_.add_part(*part);
   }
 
   enum class Phase : std::uint8_t {
@@ -121,10 +122,10 @@ class StartUp {
   can::Sink* sink_;
   SlaveSearch search_;
   Phase phase_ = Phase::off;
-  std::uint32_t bits_ = 0;            // 1F80H as it was at begin()
-  can::Alarm phase_end_;              // of settling, wait_start_all
-  can::Alarm boot_end_;               // 1F89H
-  can::Time reset_time_{};            // of the latest NMT reset of other nodes
+  std::uint32_t bits_ = 0;  // 1F80H as it was at begin()
+  can::Alarm phase_end_;    // of settling, wait_start_all
+  can::Alarm boot_end_;     // 1F89H
+  can::Time reset_time_{};  // of the latest NMT reset of other nodes
   unsigned running_boots_ = 0;
   bool begin_pending_ = false;
   bool network_was_reset_ = false;  // the reset of step 4 was sent already

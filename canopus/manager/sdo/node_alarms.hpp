@@ -17,7 +17,8 @@ class NodeAlarms {
   static constexpr std::size_t count = 128;
 
   NodeAlarms() noexcept {
-    for (std::size_t number = 0; number < count; ++number) groups_[number / group_size].add_part(alarms_[number]);
+    for (std::size_t number = 0; number < count; ++number)
+      groups_[number / group_size].add_part(alarms_[number]);
     for (can::Alarm& group : groups_) all_.add_part(group);
   }
 
@@ -34,7 +35,8 @@ class NodeAlarms {
  private:
   static constexpr std::size_t group_size = 8;
   [[nodiscard]] static std::size_t first_of(std::span<const can::Alarm> alarms) noexcept {
-    return static_cast<std::size_t>(std::ranges::min_element(alarms, {}, &can::Alarm::deadline) - alarms.begin());
+    return static_cast<std::size_t>(std::ranges::min_element(alarms, {}, &can::Alarm::deadline) -
+                                    alarms.begin());
   }
 
   std::array<can::Alarm, count> alarms_;

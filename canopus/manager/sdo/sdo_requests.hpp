@@ -3,7 +3,7 @@
 // node queue up; different nodes are asked in parallel. Nothing blocks: the end of a request is a call, from
 // inside which others may be made.
 //
-// The default channel of a node belongs to one client at a time; whoever else uses it takes turns with this
+// The default channel of a node belongs to one client at a time; another user of it takes turns with this
 // one through SdoChannelGate. A request that has begun is never interrupted.
 //
 // Memory: a queue and a client per node that was asked once; a request and its value until it ended.
@@ -36,12 +36,12 @@ struct SdoRequestOptions {
   canopen::SdoClient::Mode mode = canopen::SdoClient::Mode::segmented;
 };
 
-/// Who else uses the default channels.
+/// The other user of the default channels.
 class SdoChannelGate {
  public:
-  /// Nobody has a transfer with this node.
+  /// It has no transfer with this node.
   virtual bool channel_is_free(std::uint8_t node_id) = 0;
-  /// A request has ended and the channel is free: for those who wait.
+  /// A request has ended and the channel is free: for transfers that wait.
   virtual void channel_freed(std::uint8_t node_id, can::Time now) = 0;
 
  protected:
@@ -51,7 +51,7 @@ class SdoChannelGate {
 class SdoRequests final : private canopen::SdoClientListener {
  public:
   using Done = std::function<void(const SdoResult&, can::Time now)>;
-  /// A busy channel is tried again after this, should nobody call channel_freed().
+  /// A busy channel is tried again after this, should channel_freed() not be called.
   static constexpr can::Duration busy_retry = std::chrono::milliseconds(10);
 
   SdoRequests(can::Sink& sink, SdoChannelGate& gate) : sink_(&sink), gate_(&gate) {}
@@ -74,7 +74,7 @@ class SdoRequests final : private canopen::SdoClientListener {
   [[nodiscard]] std::size_t pending(std::uint8_t node_id) const noexcept {
     return node_id < channels_.size() && channels_[node_id] ? channels_[node_id]->queue.size() : 0;
   }
-  /// Somebody else has ended a transfer: begins the next request, if one waits. True when it did.
+  /// The other user has ended a transfer: begins the next request, if one waits. True when it did.
   bool channel_freed(std::uint8_t node_id, can::Time now);
 
   void receive(const can::Frame& frame, can::Time now);
