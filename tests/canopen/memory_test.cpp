@@ -200,9 +200,9 @@ TEST(Memory, ThatADescriptionNeedsAndThereIsNot_LeavesTheNodeAsItWas) {
   std::size_t failures = 0;
   for (;; ++failures) {
     node.power_on({});
-    node.receive(can::data_frame(0x605, {0x2B, 0x05, 0x20, 0x00, 0x07, 0x00}), {});
+    node.receive(can::data_frame(0x605, {0x2B, 0x05, 0x20, 0x00, 0x07, 0x00, 0x00, 0x00}), {});
     EXPECT_EQ(to_text(bus.last), "585 80 05 20 00 00 00 06 06") << failures;
-    node.receive(can::data_frame(0x605, {0x2B, 0x17, 0x10, 0x00, 0x0A, 0x00}), {});
+    node.receive(can::data_frame(0x605, {0x2B, 0x17, 0x10, 0x00, 0x0A, 0x00, 0x00, 0x00}), {});
     EXPECT_EQ(to_text(bus.last), "585 60 17 10 00 00 00 00 00") << failures;
     EXPECT_EQ(node.deadline(), can::Time(10ms));
     node.power_off();

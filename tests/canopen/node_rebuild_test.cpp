@@ -40,7 +40,7 @@ TEST_F(NodeRebuildTest, AHandler_IsCalledForTheNextDictionary_AlsoForObjectsThat
   describe(more);
   EXPECT_EQ(write(0x2005, 0, 7, 2), AbortCode::hardware_error);
   EXPECT_EQ(write(0x2100, 0, 7, 1), AbortCode::hardware_error);
-  EXPECT_EQ(hear("605 2F 00 21 00 07"), "585 80 00 21 00 00 00 06 06");
+  EXPECT_EQ(hear("605 2F 00 21 00 07 00 00 00"), "585 80 00 21 00 00 00 06 06");
   EXPECT_EQ(refusal.asked, 4);
 }
 
@@ -93,7 +93,7 @@ TEST_F(NodeRebuildTest, AnotherSink_GetsTheFrames_AndTheHandlersStay) {
   node.set_sink(other);
   node.power_on(now);
   EXPECT_EQ(other.take(), "705 00");
-  EXPECT_EQ(hear("605 2B 05 20 00 07 00"), "");
+  EXPECT_EQ(hear("605 2B 05 20 00 07 00 00 00"), "");
   EXPECT_EQ(other.take(), "585 80 05 20 00 00 00 06 06");
   node.power_off();
   node.set_sink(bus);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <utility>
 
 namespace canopus::canopen {
 
@@ -11,8 +10,8 @@ ObjectDictionary::ObjectDictionary(std::shared_ptr<const DictionaryDescription> 
     : block_(description->block_size() + spare),
       description_(std::move(description)),
       slots_(description_->slot_count()),
-      attachment_numbers_(description_->objects().size()),
-      attachments_(1) {
+      handler_numbers_(description_->objects().size()),
+      handlers_{nullptr} {
   description_->load_defaults(block(), node_id);
 }
 
@@ -89,43 +88,27 @@ void ObjectDictionary::assign(const Entry& entry, std::span<const std::uint8_t> 
   }
 }
 
-std::uint8_t ObjectDictionary::attachment(ObjectHandler& handler, std::uint8_t replaced) {
-  std::uint8_t free = 0;
-  for (std::size_t number = 1; number < attachments_.size(); ++number) {
-    const Attachment& known = attachments_[number];
-    if (known.handler == &handler && known.replaced == replaced) return static_cast<std::uint8_t>(number);
-    if (known.handler == nullptr) free = static_cast<std::uint8_t>(number);
-  }
-  if (free != 0) {
-    attachments_[free] = {&handler, replaced};
-    return free;
-  }
-  if (attachments_.size() > 0xFF) throw std::length_error("an object dictionary has at most 255 handlers");
-  // A usual node has nine; there are many nodes.
-  constexpr std::size_t usual = 9;
-  if (attachments_.size() == attachments_.capacity())
-    attachments_.reserve(std::max(usual + 1, attachments_.size() + 2));
-  attachments_.push_back({&handler, replaced});
-  return static_cast<std::uint8_t>(attachments_.size() - 1);
-}
-
 void ObjectDictionary::attach(std::uint16_t first, std::uint16_t last, ObjectHandler& handler) {
+  auto known = std::find(handlers_.begin(), handlers_.end(), &handler);
+  if (known == handlers_.end()) {
+    if (handlers_.size() > 0xFF) throw std::length_error("an object dictionary has at most 255 handlers");
+    // A usual node has nine; there are many nodes.
+    constexpr std::size_t usual = 9;
+    if (handlers_.size() == handlers_.capacity())
+      handlers_.reserve(std::max(usual + 1, handlers_.size() + 2));
+    known = handlers_.insert(handlers_.end(), &handler);
+  }
   last_short_ = {};
+  const auto number = static_cast<std::uint8_t>(known - handlers_.begin());
   for (const ObjectDescription& object : description_->objects(first, last)) {
-    std::uint8_t& number = attachment_numbers_[description_->position(object)];
-    if (attachments_[number].handler != &handler) number = attachment(handler, number);
+    handler_numbers_[description_->position(object)] = number;
   }
 }
 
-void ObjectDictionary::detach(const ObjectHandler& handler) noexcept {
+void ObjectDictionary::restore(const Attachments& earlier) noexcept {
+  std::ranges::copy(earlier.handler_numbers, handler_numbers_.begin());
+  handlers_.resize(earlier.handlers);
   last_short_ = {};
-  for (std::size_t number = 1; number < attachments_.size(); ++number) {
-    if (attachments_[number].handler != &handler) continue;
-    const Attachment gone = std::exchange(attachments_[number], {});
-    std::ranges::replace(attachment_numbers_, number, gone.replaced);
-    for (Attachment& over : attachments_)
-      if (over.replaced == number) over.replaced = gone.replaced;
-  }
 }
 
 void ObjectDictionary::reset(std::uint8_t node_id) {

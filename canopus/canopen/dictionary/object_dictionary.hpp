@@ -107,7 +107,7 @@ class ObjectDictionary {
   /// An entry, perhaps of no type, of an object without a handler; or none.
   [[nodiscard]] Location find_plain(std::uint32_t multiplexer) const noexcept {
     const std::size_t position = description_->find_position(static_cast<std::uint16_t>(multiplexer >> 8));
-    if (position == DictionaryDescription::no_position || attachment_numbers_[position] != 0) return {};
+    if (position == DictionaryDescription::no_position || handler_numbers_[position] != 0) return {};
     const ObjectDescription& object = description_->object(position);
     const auto sub = static_cast<std::uint8_t>(multiplexer >> 24);
     if (sub > object.highest_sub) return {};
@@ -211,19 +211,19 @@ class ObjectDictionary {
 
  protected:
   // NodeDictionary offers these.
+  /// Which handlers the objects have.
+  struct Attachments {
+    std::vector<std::uint8_t> handler_numbers;  // by position of the object
+    std::size_t handlers = 0;
+  };
   void attach(std::uint16_t first, std::uint16_t last, ObjectHandler& handler);
-  void detach(const ObjectHandler& handler) noexcept;
+  [[nodiscard]] Attachments attachments() const { return {handler_numbers_, handlers_.size()}; }
+  void restore(const Attachments& earlier) noexcept;
   void set_write_observer(WriteObserver* observer) noexcept { write_observer_ = observer; }
 
  private:
-  /// A handler, over the one that its objects had before.
-  struct Attachment {
-    ObjectHandler* handler = nullptr;
-    std::uint8_t replaced = 0;  // its number
-  };
-  [[nodiscard]] std::uint8_t attachment(ObjectHandler& handler, std::uint8_t replaced);
   [[nodiscard]] ObjectHandler* handler(const ObjectDescription& object) const noexcept {
-    return attachments_[attachment_numbers_[description_->position(object)]].handler;
+    return handlers_[handler_numbers_[description_->position(object)]];
   }
 
   [[nodiscard]] ShortValue load_short(std::uint32_t offset, std::uint8_t length) const noexcept {
@@ -244,8 +244,8 @@ class ObjectDictionary {
     std::uint8_t length = 0;
   } last_short_;
   std::vector<std::unique_ptr<std::vector<std::uint8_t>>> slots_;  // empty pointer: still the default
-  std::vector<std::uint8_t> attachment_numbers_;                   // by position of the object
-  std::vector<Attachment> attachments_;                            // number 0: no handler
+  std::vector<std::uint8_t> handler_numbers_;                      // by position of the object, 0 = none
+  std::vector<ObjectHandler*> handlers_;
   WriteObserver* write_observer_ = nullptr;
 };
 
@@ -258,8 +258,10 @@ class NodeDictionary final : public ObjectDictionary {
   /// Calls `handler` for the objects first..last (those that exist) from now on, in place of an earlier one. More than 255 handlers
   /// throw std::length_error.
   using ObjectDictionary::attach;
-  /// Its objects have the handler again that it took the place of.
-  using ObjectDictionary::detach;
+  /// What is attached now, for restore(): later handlers are called no more, and those that they took the place of are again.
+  using ObjectDictionary::Attachments;
+  using ObjectDictionary::attachments;
+  using ObjectDictionary::restore;
   using ObjectDictionary::set_write_observer;
 };
 

@@ -14,20 +14,26 @@
 namespace canopus::canopen {
 
 void Node::Services::attach(std::uint16_t first, std::uint16_t last, ObjectHandler& handler) {
-  const Registration registration{first, last, &handler};
-  registrations.reserve(registrations.size() + 1);
+  if (!registered) registered = std::make_unique<Registered>(dictionary.attachments());
+  auto& list = registered->list;
+  list.reserve(list.size() + 1);
   dictionary.attach(first, last, handler);
-  std::erase(registrations, registration);
-  registrations.push_back(registration);
+  const Registration registration{first, last, &handler};
+  std::erase(list, registration);
+  list.push_back(registration);
 }
 
 void Node::Services::detach(const ObjectHandler& handler) noexcept {
-  std::erase_if(registrations, [&](const Registration& known) { return known.handler == &handler; });
-  dictionary.detach(handler);
+  if (!registered) return;
+  std::erase_if(registered->list, [&](const Registration& known) { return known.handler == &handler; });
+  dictionary.restore(registered->own);
+  for (const auto& [first, last, remaining] : registered->list) dictionary.attach(first, last, *remaining);
 }
 
 void Node::Services::take_over(const Services& other) {
-  for (const auto& [first, last, handler] : other.registrations) attach(first, last, *handler);
+  if (other.registered) {
+    for (const auto& [first, last, handler] : other.registered->list) attach(first, last, *handler);
+  }
   listener = other.listener;
   stored_parameters.set_store(other.stored_parameters.store());
   identifiers_revision = other.identifiers_revision + 1;

@@ -103,7 +103,11 @@ struct Node::Services final : NodeContext, WriteObserver {
     ObjectHandler* handler = nullptr;
     friend bool operator==(const Registration&, const Registration&) = default;
   };
-  std::vector<Registration> registrations;  // in order: a later one takes the place of those before it
+  struct Registered {
+    NodeDictionary::Attachments own;  // of the services
+    std::vector<Registration> list;   // a later one takes the place of those before it
+  };
+  std::unique_ptr<Registered> registered;  // most nodes have none
   std::uint8_t next_node_id = 0;
   bool powered = false;
   bool receives_extended = false;

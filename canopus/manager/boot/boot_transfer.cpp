@@ -39,7 +39,7 @@ void BootTransfer::begin(Kind kind, std::uint16_t index, std::uint8_t sub, can::
 void BootTransfer::repeat(can::Time now) {
   waits_for_channel_ = false;
   const MasterOptions& options = host_->boot_options();
-  if (takes_blocks() && host_->blocks_running() >= options.blocks_at_once) {
+  if (uses_blocks() && host_->blocks_running() >= options.blocks_at_once) {
     return repeat_later(options.busy_retry, now);
   }
   if (host_->sdo_channel_free(node_id_, now) && start(now)) return forget();
@@ -71,7 +71,7 @@ void BootTransfer::channel_freed(can::Time now) {
   if (waits_for_channel_) repeat(now);
 }
 
-bool BootTransfer::takes_blocks() const {
+bool BootTransfer::uses_blocks() const {
   if (no_blocks_ || kind_ == Kind::read) return false;
   const std::size_t block_from = host_->boot_options().block_from;
   return kind_ == Kind::program || (block_from != 0 && data_.size() >= block_from);
@@ -82,7 +82,7 @@ bool BootTransfer::start(can::Time now) {
   const MasterOptions& options = host_->boot_options();
   const bool slow = record_->step == BootStep::program_clear || record_->step == BootStep::program_download;
   const can::Duration time_out = slow ? options.program_time_out : options.sdo_time_out;
-  in_blocks_ = takes_blocks();
+  in_blocks_ = uses_blocks();
   asked_at_ = now;
   const Mode mode = in_blocks_ ? Mode::block : Mode::segmented;
   switch (kind_) {

@@ -76,7 +76,7 @@ class BootTransfer final : private canopen::SdoClientListener, private canopen::
   std::expected<std::size_t, canopen::AbortCode> read(std::span<std::uint8_t> into) override;
   void begin(Kind kind, std::uint16_t index, std::uint8_t sub, can::Time now);
   bool start(can::Time now);
-  [[nodiscard]] bool takes_blocks() const;
+  [[nodiscard]] bool uses_blocks() const;
 
   std::uint8_t node_id_;
   BootHost* host_;
