@@ -48,6 +48,9 @@ def web_plant_time_stands_still_steps_and_goes_faster():
         require(page.do(command="pace", speed=0)["code"] == 0, "pause")
         first = page.state(lambda e: e["speed"] == 0)
         require(all(page.state()["t"] == first["t"] for _ in range(3)), "it went on")
+        # A client within the run waits in plant time; one of another process would be without an answer for 500 ms of the clock.
+        rows = page.do(command="sdo read", node="2", object="1000")["rows"]
+        require(rows == [{"node": 2, "object": "1000:00", "reason": "plant time stands still"}], rows)
         # A step is exactly as long as it was said.
         for text, seconds in (("100ms", 0.1), ("1us", 1e-6), ("2s", 2.0)):
             before = page.state()["t"]

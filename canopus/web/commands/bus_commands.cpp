@@ -26,10 +26,10 @@ constexpr int done = 0;    // exit codes of the commands
 constexpr int failed = 1;  // the bus or a node refused, or does not answer
 constexpr int usage = 2;
 
-/// The words of a command line: "nmt", "reset-comm", "--wait", "--timeout=5s", "--", "5".
-class Words {
+/// A command line, of names, options and arguments: "nmt", "reset-comm", "--wait", "--timeout=5s", "--", "5".
+class ArgumentList {
  public:
-  explicit Words(const std::vector<std::string>& line) {
+  explicit ArgumentList(const std::vector<std::string>& line) {
     const auto end = std::ranges::find(line, "--");
     for (auto one = line.begin(); one != end; ++one)
       (one->starts_with("--") ? options_ : names_).push_back(*one);
@@ -74,12 +74,12 @@ class BusCommand : public RunningCommand,
   }
 
   void start(serve::ClientPorts& ports) {
-    seen_ = clock_.now();
+    last_time_ = clock_.now();
     attachment_ = ports.attach(*this);
     self_ = shared_from_this();
-    begin(seen_);
+    begin(last_time_);
     clock_.touched();
-    look_for_standstill();
+    watch_standstill();
   }
 
   // RunningCommand
@@ -168,17 +168,17 @@ class BusCommand : public RunningCommand,
       self->self_.reset();
     });
   }
-  void look_for_standstill() {
+  void watch_standstill() {
     standstill_timer_.expires_after(standstill_);
     standstill_timer_.async_wait([weak = weak_from_this()](const boost::system::error_code& error) {
-      if (const auto self = weak.lock(); self && !error) self->look();
+      if (const auto self = weak.lock(); self && !error) self->check_standstill();
     });
   }
-  void look() {
+  void check_standstill() {
     const can::Time now = clock_.now();
     clock_.touched();
     if (is_over_) return;
-    if (std::exchange(seen_, now) != now) return look_for_standstill();
+    if (std::exchange(last_time_, now) != now) return watch_standstill();
     give_up("plant time stands still", now);
     leave_soon();  // what was not sent is not sent later
   }
@@ -192,7 +192,7 @@ class BusCommand : public RunningCommand,
   std::shared_ptr<BusCommand> self_;  // as long as it is on the bus
   text::TextOutput out_;
   text::TextOutput errors_;
-  can::Time seen_{};
+  can::Time last_time_{};
   can::Alarm leave_at_;
   std::size_t on_the_way_ = 0;
   bool is_over_ = false;
@@ -200,12 +200,12 @@ class BusCommand : public RunningCommand,
 };
 
 /// `canopus sdo read` and `canopus sdo write`
-class SdoCommand final : public BusCommand {
+class SdoBusCommand final : public BusCommand {
  public:
   /// `value`: that is written; nothing: the object is read.
-  template <typename... Of>
-  SdoCommand(client::SdoTarget target, std::optional<std::vector<std::uint8_t>> value, Of&&... of)
-      : BusCommand(std::forward<Of>(of)...),
+  template <typename... Rest>
+  SdoBusCommand(client::SdoTarget target, std::optional<std::vector<std::uint8_t>> value, Rest&&... rest)
+      : BusCommand(std::forward<Rest>(rest)...),
         target_(std::move(target)),
         value_(std::move(value)),
         transfer_(*this, target_.node, usual_time_out, false) {
@@ -220,17 +220,17 @@ class SdoCommand final : public BusCommand {
   }
   void received(const can::Frame& frame, can::Time now) override {
     transfer_.receive(frame, now);
-    look_at_result(now);
+    check_result(now);
   }
   void ticked(can::Time now) override {
     transfer_.tick(now);
-    look_at_result(now);
+    check_result(now);
   }
   void give_up(std::string_view why, can::Time now) override {
     transfer_.cancel();
     fail({.reason = std::string(why)}, now);
   }
-  void look_at_result(can::Time now) {
+  void check_result(can::Time now) {
     if (!transfer_.is_finished()) return;
     auto result = transfer_.result();
     if (!result) {
@@ -252,11 +252,11 @@ class SdoCommand final : public BusCommand {
 };
 
 /// `canopus nmt`
-class NmtRun final : public BusCommand {
+class NmtBusCommand final : public BusCommand {
  public:
-  template <typename... Of>
-  NmtRun(const client::NmtRequest& request, can::Duration time_out, Of&&... of)
-      : BusCommand(std::forward<Of>(of)...),
+  template <typename... Rest>
+  NmtBusCommand(const client::NmtRequest& request, can::Duration time_out, Rest&&... rest)
+      : BusCommand(std::forward<Rest>(rest)...),
         request_(request),
         time_out_(time_out),
         bytes_{request.service->request},
@@ -278,18 +278,18 @@ class NmtRun final : public BusCommand {
   void received(const can::Frame& frame, can::Time now) override {
     watch_.receive(frame, now);
     transfer_.receive(frame, now);
-    look_at_result(now);
+    check_result(now);
   }
   void ticked(can::Time now) override {
     transfer_.tick(now);
-    look_at_result(now);
+    check_result(now);
   }
   void give_up(std::string_view why, can::Time now) override {
     transfer_.cancel();
     const bool is_asked = request_.master != 0 && !is_sent_;
     fail(is_asked ? request_.refused(why) : std::string(why), now);
   }
-  void look_at_result(can::Time now) {
+  void check_result(can::Time now) {
     if (!is_sent_) {
       if (!transfer_.is_finished()) return;
       if (const auto result = transfer_.result(); !result)
@@ -343,34 +343,35 @@ class WrongCommand final : public RunningCommand, public std::enable_shared_from
   Use use_;
 };
 
-using Made = std::expected<std::shared_ptr<BusCommand>, std::string>;
+using MadeCommand = std::expected<std::shared_ptr<BusCommand>, std::string>;
 
 /// The error is a sentence.
-template <typename... Of>
-Made make_sdo(const Words& words, Of&&... of) {
-  auto target = client::SdoTarget::parse(words.argument(0), words.argument(1), words.value("--type="));
+template <typename... Rest>
+MadeCommand make_sdo(const ArgumentList& arguments, Rest&&... rest) {
+  auto target =
+      client::SdoTarget::parse(arguments.argument(0), arguments.argument(1), arguments.value("--type="));
   if (!target) return std::unexpected(target.error());
   std::optional<std::vector<std::uint8_t>> value;
-  if (words.name(1) == "write") {
-    auto bytes = client::bytes_of_value(*target, words.argument(2), false);
+  if (arguments.name(1) == "write") {
+    auto bytes = client::bytes_of_value(*target, arguments.argument(2), false);
     if (!bytes) return std::unexpected(bytes.error());
     value = std::move(*bytes);
   }
-  return std::make_shared<SdoCommand>(std::move(*target), std::move(value), std::forward<Of>(of)...);
+  return std::make_shared<SdoBusCommand>(std::move(*target), std::move(value), std::forward<Rest>(rest)...);
 }
 
-template <typename... Of>
-Made make_nmt(const Words& words, Of&&... of) {
+template <typename... Rest>
+MadeCommand make_nmt(const ArgumentList& arguments, Rest&&... rest) {
   const auto services = client::nmt_services();
-  const auto service =
-      std::ranges::find(services, words.name(1), [](const auto& one) { return std::string_view(one.name); });
+  const auto service = std::ranges::find(services, arguments.name(1),
+                                         [](const auto& one) { return std::string_view(one.name); });
   if (service == services.end()) return std::unexpected("there is no such NMT command");
-  const auto request =
-      client::NmtRequest::parse(*service, words.argument(0), words.value("--master="), words.has("--wait"));
+  const auto request = client::NmtRequest::parse(*service, arguments.argument(0),
+                                                 arguments.value("--master="), arguments.has("--wait"));
   if (!request) return std::unexpected(request.error());
-  const auto time_out = text::parse_duration(words.value("--timeout="));
-  return std::make_shared<NmtRun>(*request, time_out.value_or(BusCommand::usual_time_out),
-                                  std::forward<Of>(of)...);
+  const auto time_out = text::parse_duration(arguments.value("--timeout="));
+  return std::make_shared<NmtBusCommand>(*request, time_out.value_or(BusCommand::usual_time_out),
+                                         std::forward<Rest>(rest)...);
 }
 
 }  // namespace
@@ -391,13 +392,13 @@ serve::ClientPorts* BusCommands::ports_of(const std::string& bus) {
 }
 
 std::shared_ptr<RunningCommand> BusCommands::start(const WebCommandLine& line, RunningCommand::Use use) {
-  const Words words(line.arguments);
-  const bool is_sdo = words.name(0) == "sdo";
-  if (!is_sdo && words.name(0) != "nmt") return nullptr;
+  const ArgumentList arguments(line.arguments);
+  const bool is_sdo = arguments.name(0) == "sdo";
+  if (!is_sdo && arguments.name(0) != "nmt") return nullptr;
   serve::ClientPorts* const ports = ports_of(line.bus);
   if (ports == nullptr) return nullptr;
-  const auto made = is_sdo ? make_sdo(words, io_, clock_, standstill_, use)
-                           : make_nmt(words, io_, clock_, standstill_, use);
+  const auto made = is_sdo ? make_sdo(arguments, io_, clock_, standstill_, use)
+                           : make_nmt(arguments, io_, clock_, standstill_, use);
   if (!made) {
     const auto wrong = std::make_shared<WrongCommand>(std::move(use));
     wrong->start(io_, made.error());
