@@ -267,11 +267,11 @@ def line_of(outcome):
     return f"{output}  {outcome.name} ({outcome.wall:.1f} s, processor {outcome.processor:.1f} s): {verdict}\n"
 
 
-def junit(outcomes, features):
+def junit(outcomes, features, suite_name="interop"):
     """JUnit XML; `features`: name of a check to the features of the manuals that it covers."""
-    suite = ET.Element("testsuite", name="interop")
+    suite = ET.Element("testsuite", name=suite_name)
     for outcome in outcomes:
-        case = ET.SubElement(suite, "testcase", classname="interop", name=outcome.name, status="run", time=f"{outcome.wall:.3f}")
+        case = ET.SubElement(suite, "testcase", classname=suite_name, name=outcome.name, status="run", time=f"{outcome.wall:.3f}")
         properties = ET.SubElement(case, "properties")
         ET.SubElement(properties, "property", name="processor", value=f"{outcome.processor:.3f}")
         if outcome.name in features:
