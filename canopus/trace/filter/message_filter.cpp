@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "canopus/ascii/number.hpp"
-#include "canopus/cli/options/command.hpp"
 #include "canopus/text/nearest_word.hpp"
 #include "canopus/text/text_values.hpp"
 
