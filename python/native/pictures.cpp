@@ -6,9 +6,6 @@
 #include <pybind11/stl.h>
 
 #include "canopus/canopen/dictionary/object_text.hpp"
-#include "canopus/cli/analysis/analysis_names.hpp"
-#include "canopus/cli/analysis/picture_signal.hpp"
-#include "canopus/cli/analysis/trace_walk.hpp"
 #include "canopus/trace/print/picture_signal.hpp"
 #include "canopus/trace/print/trace_walk.hpp"
 

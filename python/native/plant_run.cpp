@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "canopus/canopen/dictionary/object_text.hpp"
-#include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/plant/initial_nodes.hpp"
 #include "canopus/plant/plant_loading.hpp"

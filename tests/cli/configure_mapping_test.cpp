@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/command_line.hpp"
+#include "canopus/cli/app/command_line.hpp"
 
 namespace canopus::cli::configure_mapping_test {
 namespace {

@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "canopus/cli/app/command_line.hpp"
-#include "canopus/cli/command_line.hpp"
 #include "canopus/plant/slave_boot.hpp"
 
 #include "paths.hpp"

@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include "canopus/ascii/words.hpp"
-#include "canopus/cli/commands/eds_show.hpp"
 #include "canopus/cli/files/eds_show.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/output/device_names.hpp"

@@ -12,7 +12,6 @@
 #include "canopus/cli/output/print.hpp"
 #include "canopus/cli/run/run_messages.hpp"
 #include "canopus/cli/run/table_state.hpp"
-#include "canopus/cli/terminal/print.hpp"
 #include "canopus/plant/event.hpp"
 #include "canopus/plant/plant.hpp"
 

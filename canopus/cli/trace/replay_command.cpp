@@ -8,7 +8,6 @@
 
 #include "canopus/ascii/number.hpp"
 #include "canopus/cli/bus/bus_command.hpp"
-#include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/output/channel_choice.hpp"

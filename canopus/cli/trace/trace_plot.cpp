@@ -6,8 +6,6 @@
 #include <memory>
 
 #include "canopus/canopen/dictionary/object_text.hpp"
-#include "canopus/cli/analysis/names_options.hpp"
-#include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/output/channel_choice.hpp"
