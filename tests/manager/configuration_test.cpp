@@ -136,13 +136,24 @@ TEST_F(Configuration, OnlyTheDateExpected_IsDownloadedWithoutComparing) {
   EXPECT_EQ(device().written.size(), 2U);
 }
 
-TEST_F(Configuration, ReadOnlyEntry_IsPassedOver) {
+TEST_F(Configuration, ReadOnlyEntry_IsPassedOver_WhereTheModelSaysSo) {
+  master.options().configuration_skips_read_only = true;
   device().aborts[{0x1017, 0}] = 0x06010002;
   switch_on();
   run_for(1s);
   ASSERT_EQ(device().written.size(), 1U);
   EXPECT_EQ(device().written[0].first, (ScriptedSlave::Key{0x1800, 1}));
   EXPECT_EQ(master.boot_record(2).error, BootError::none);
+}
+
+TEST_F(Configuration, ReadOnlyEntry_EndsIt) {
+  device().aborts[{0x1017, 0}] = 0x06010002;
+  switch_on();
+  run_for(1s);
+  EXPECT_TRUE(device().written.empty());
+  EXPECT_EQ(master.boot_record(2).error, BootError::configuration);
+  EXPECT_EQ(master.boot_record(2).abort_code, AbortCode::write_of_read_only);
+  EXPECT_TRUE(master.halted());
 }
 
 TEST_F(Configuration, AnyOtherAbort_EndsIt) {

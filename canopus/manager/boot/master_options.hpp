@@ -25,6 +25,12 @@ enum class RevisionRule : std::uint8_t {
 struct MasterOptions {
   /// Least pause between Reset communication all nodes and Start all nodes [ME3CAN1-Q G70].
   can::Duration start_all_delay = std::chrono::milliseconds(500);
+  /// start_all_delay is the least pause before every reset and start of the start-up, whatever NMT command was sent before
+  /// [RJ71CN91 App. 2 G70].
+  bool delay_before_each_command = false;
+  /// Where some slaves are to be kept alive, the other slaves are reset one by one; else every other node of the network is
+  /// [RJ71CN91 1.2 NMT start-up].
+  bool resets_slaves_alone = false;
   /// An SDO request of the start-up is given up after this [ME3CAN1-Q G71].
   can::Duration sdo_time_out = std::chrono::milliseconds(500);
   /// After a reset, a slave is first asked for 1000H when its boot-up message came or this is over.
@@ -100,6 +106,9 @@ struct MasterOptions {
   /// repetitions were answered, each within the guard time [FX2N-32CAN 8.2.3]. Else it is lost after guard time x retry
   /// factor without an answer.
   bool guarding_is_repeated = false;
+  /// An entry of the concise DCF that the slave refuses as read only (06010002H) is left out [ME3CAN1-Q 4.8.12;
+  /// FX3U-CAN 5.8.13]. Else it ends the configuration, as any other abort does [CiA 302-2].
+  bool configuration_skips_read_only = false;
 };
 
 /// Why an error control event happened.

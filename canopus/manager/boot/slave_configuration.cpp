@@ -82,10 +82,10 @@ BootOutcome SlaveConfiguration::next_entry(can::Time now) {
   return failed;
 }
 
-// [ME3CAN1-Q 4.8.12]
 BootOutcome SlaveConfiguration::entry_answered(can::Time now) {
-  const bool is_read_only = boot_->record.abort_code == canopen::AbortCode::write_of_read_only;
-  if (!boot_->was_answered() && !is_read_only) return failed;
+  const bool is_skipped = boot_->host.boot_options().configuration_skips_read_only &&
+                          boot_->record.abort_code == canopen::AbortCode::write_of_read_only;
+  if (!boot_->was_answered() && !is_skipped) return failed;
   return next_entry(now);
 }
 

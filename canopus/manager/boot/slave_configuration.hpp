@@ -5,7 +5,7 @@
 //   [1011H written - reset - boot-up] - no concise DCF, or 1020H:01 and :02 as expected: done
 //                                     - else: each entry of the concise DCF in turn
 //
-// Read-only objects in the file are passed over; any other abort ends the boot.
+// An abort ends the boot; one of a read-only object where MasterOptions::configuration_skips_read_only is false.
 
 #include "canopus/manager/boot/boot_context.hpp"
 #include "canopus/manager/boot/concise_dcf.hpp"

@@ -18,6 +18,8 @@
 
 namespace canopus::manager {
 
+class NmtCommandQueue;
+
 /// Node-ID of a command to all.
 inline constexpr std::uint8_t all_nodes = 0;
 
@@ -32,6 +34,8 @@ class MasterContext : public BootHost {
   virtual void mute(bool muted) = 0;
   /// The command was sent; node_id 0: to all.
   virtual void command_sent(canopen::NmtCommand command, std::uint8_t node_id, can::Time now) = 0;
+  /// The queue of NMT commands.
+  virtual NmtCommandQueue& commands() = 0;
   /// A node had an error control event.
   virtual void slave_lost(std::uint8_t node_id, can::Time now) = 0;
   /// This master is one of several that shall agree.

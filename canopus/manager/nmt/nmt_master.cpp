@@ -112,6 +112,7 @@ void NmtMaster::command_sent(NmtCommand command, std::uint8_t node_id, can::Time
   const bool is_reset = command == NmtCommand::reset_node || command == NmtCommand::reset_communication;
   if (is_reset) start_up_.reset_sent(node_id, now);
   error_control_.commanded(command, node_id, now);
+  start_up_.command_sent(now);
 }
 
 // --- time

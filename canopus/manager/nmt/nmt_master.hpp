@@ -56,8 +56,9 @@ class NmtMaster final : public can::Participant, private MasterContext, private 
   void set_listener(MasterListener* to) noexcept { MasterContext::set_listener(to); }
   /// nullptr: no configurations.
   void set_configuration_source(ConfigurationSource* from) noexcept { source = from; }
-  /// Options may change at any time (G70, G71) and hold from the next use on.
+  /// Options may change at any time (G70, G71) and hold from the next use on; for what waits, from options_changed() on.
   [[nodiscard]] MasterOptions& options() noexcept { return MasterContext::options; }
+  void options_changed(can::Time now) { commands_.flush(now); }
 
   // --- driving
   /// Begins anew as 1F80H says (bit 0 = 0: no master, only the states of heartbeat-watched nodes are shown).
@@ -165,6 +166,7 @@ class NmtMaster final : public can::Participant, private MasterContext, private 
   bool send(const can::Frame& frame) override { return port_.send(frame); }
   void mute(bool muted) override { port_.mute(muted); }
   void command_sent(canopen::NmtCommand command, std::uint8_t node_id, can::Time now) override;
+  NmtCommandQueue& commands() override { return commands_; }
   void slave_lost(std::uint8_t node_id, can::Time now) override { start_up_.slave_lost(node_id, now); }
   void begin_flying(can::Time now) override { flying_.begin(now); }
 

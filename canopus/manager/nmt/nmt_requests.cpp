@@ -1,6 +1,7 @@
 #include "canopus/manager/nmt/nmt_requests.hpp"
 
 #include "canopus/can/little_endian.hpp"
+#include "canopus/manager/nmt/nmt_command_queue.hpp"
 
 namespace canopus::manager {
 
@@ -96,7 +97,11 @@ void NmtRequests::perform_nmt(std::uint8_t node_id, std::uint8_t value, can::Tim
     if (node_id == all || node_id == n) master_.slaves[n].held = hold && master_.assignment(n) != 0;
   }
   const std::uint8_t own = master_.node.node_id();
-  if (node_id != own) master_.send_nmt(command, node_id == all ? all_nodes : node_id, now);
+  if (node_id != own) {
+    const std::uint8_t target = node_id == all ? all_nodes : node_id;
+    master_.commands().withdraw_starts(target);
+    master_.send_nmt(command, target, now);
+  }
   if ((node_id == own || node_id == all) && !excludes_master(value)) {
     start_up_.command_own_node(command, now);
   }

@@ -9,7 +9,7 @@ using canopen::NmtCommand;
 using canopen::NmtState;
 
 bool StartUp::may_boot() const {
-  return active() && phase_ != Phase::halted && phase_ != Phase::searching &&
+  return phase_ > Phase::resetting && phase_ != Phase::halted && phase_ != Phase::searching &&
          master_.node.state() != NmtState::stopped;
 }
 
@@ -67,7 +67,7 @@ void StartUp::tick(can::Time now) {
   phase_end_.cancel();
   switch (phase_) {
     case Phase::settling: return become_operational(now);
-    case Phase::wait_start_all: return start_slaves(now);
+    case Phase::wait_start_all: return own_node_is_operational(now);
     default: return;
   }
 }
@@ -97,41 +97,55 @@ void StartUp::start_network(bool network_was_reset, can::Time now) {
     if (phase_ != Phase::booting) return;
   }
   show_starting(now);
-  boot_all(reset_network(now), now);
+  reset_network(now);
+  if (phase_ != Phase::booting) return;
+  resets_took_time_ = master_.commands().start_up_waits();
+  if (resets_took_time_) return enter(Phase::resetting);
+  boot_all(now);
 }
 
 // Step 4. Nodes that are to be kept alive must not get a reset, so then each of the others is reset singly.
-bool StartUp::reset_network(can::Time now) {
+void StartUp::reset_network(can::Time now) {
   reset_time_ = now;
+  all_were_reset_ = true;
   if (network_was_reset_) {
     network_was_reset_ = false;
-    return true;
+    return;
   }
   constexpr std::uint32_t kept = assignment_bit::slave | assignment_bit::keep_alive;
   bool keep_any = false;
   for (std::uint8_t n = 1; n < 128; ++n) keep_any = keep_any || (master_.assignment(n) & kept) == kept;
   if (!keep_any) {
-    master_.send_nmt(NmtCommand::reset_communication, all_nodes, now);
-    return true;
+    return master_.commands().push_of_start_up(NmtCommand::reset_communication, all_nodes, now);
   }
+  all_were_reset_ = false;
   for (std::uint8_t n = 1; n < 128; ++n) {
-    if (n != master_.node.node_id() && (master_.assignment(n) & kept) != kept) {
-      master_.send_nmt(NmtCommand::reset_communication, n, now);
+    const std::uint32_t bits = master_.assignment(n);
+    const bool is_meant = !master_.options.resets_slaves_alone || (bits & assignment_bit::slave) != 0;
+    if (n != master_.node.node_id() && is_meant && (bits & kept) != kept) {
+      master_.commands().push_of_start_up(NmtCommand::reset_communication, n, now);
     }
   }
-  return false;
+}
+
+void StartUp::command_sent(can::Time now) {
+  if (!master_.options.delay_before_each_command || master_.commands().start_up_waits()) return;
+  if (phase_ == Phase::resetting) {
+    enter(Phase::booting);
+    boot_all(now);
+  }
+  show_starting(now);
 }
 
 // Step 5.
-void StartUp::boot_all(bool all_were_reset, can::Time now) {
+void StartUp::boot_all(can::Time now) {
   const auto boot_time = std::chrono::milliseconds(master_.dictionary().get<std::uint32_t>(0x1F89, 0));
   boot_end_ = boot_time.count() > 0 ? later(now, boot_time) : can::never;
   bool any = false;
   for (std::uint8_t n = 1; n < 128; ++n) {
     if ((master_.assignment(n) & assignment_bit::slave) == 0) continue;
     any = true;
-    const bool kept_alive = (master_.assignment(n) & assignment_bit::keep_alive) != 0;
-    start_boot(n, all_were_reset || !kept_alive, now);
+    start_boot(n, awaits_boot_up(n), now);
     if (phase_ != Phase::booting) return;
   }
   if (any) {
@@ -139,6 +153,12 @@ void StartUp::boot_all(bool all_were_reset, can::Time now) {
   } else {
     enter(Phase::settling, later(reset_time_, master_.options.start_all_delay));
   }
+}
+
+// A slave that was reset some time ago may have sent it already.
+bool StartUp::awaits_boot_up(std::uint8_t node_id) const {
+  const bool kept_alive = (master_.assignment(node_id) & assignment_bit::keep_alive) != 0;
+  return (all_were_reset_ || !kept_alive) && (!resets_took_time_ || master_.slaves[node_id].boot_up_due);
 }
 
 BootSlave& StartUp::boot_of(std::uint8_t node_id) {
@@ -158,6 +178,7 @@ void StartUp::start_boot(std::uint8_t node_id, bool after_reset, can::Time now) 
     ++running_boots_;
   }
   slave.wrong_state = false;
+  master_.commands().withdraw_starts(node_id);
   boot.start(after_reset, now);
   show_starting(now);
 }
@@ -186,7 +207,7 @@ void StartUp::boot_ended(std::uint8_t node_id, BootError error, can::Time now) {
   } else if (((bits & assignment_bit::boot_slave) != 0 || master_.options.boot_bit_is_for_recovery) &&
              !slave.held && (bits_ & start_up_bit::do_not_start_slaves) == 0 &&
              ((bits_ & start_up_bit::start_all_nodes) == 0 || phase_ == Phase::running)) {
-    master_.send_nmt(NmtCommand::start, node_id, now);
+    master_.commands().push_of_start_up(NmtCommand::start, node_id, now);
   }
   if (phase_ == Phase::booting) mandatory_done(now);
   show_starting(now);
@@ -245,7 +266,8 @@ void StartUp::become_operational(can::Time now) {
 void StartUp::own_node_is_operational(can::Time now) {
   constexpr std::uint32_t rule = start_up_bit::start_all_nodes | start_up_bit::do_not_start_slaves;
   if ((bits_ & rule) == start_up_bit::start_all_nodes) {
-    const can::Time earliest = later(reset_time_, master_.options.start_all_delay);
+    const can::Time earliest =
+        std::max(later(reset_time_, master_.options.start_all_delay), master_.commands().start_up_due());
     if (earliest > now) return enter(Phase::wait_start_all, earliest);
     return start_slaves(now);
   }
@@ -258,7 +280,7 @@ void StartUp::start_slaves(can::Time now) {
   enter(Phase::running);
   const bool none_held = std::ranges::none_of(master_.slaves, &Slave::held);
   if (none_held && all_booted(assignment_bit::slave)) {
-    master_.send_nmt(NmtCommand::start, all_nodes, now);
+    master_.commands().push_of_start_up(NmtCommand::start, all_nodes, now);
   } else {
     const std::uint32_t startable =
         assignment_bit::slave |
@@ -267,7 +289,7 @@ void StartUp::start_slaves(can::Time now) {
       const Slave& slave = master_.slaves[n];
       if ((master_.assignment(n) & startable) == startable && slave.is_booted() && !slave.held &&
           slave.boot->record().error != BootError::already_operational) {
-        master_.send_nmt(NmtCommand::start, n, now);
+        master_.commands().push_of_start_up(NmtCommand::start, n, now);
       }
     }
   }
@@ -287,6 +309,7 @@ void StartUp::enter(Phase phase, can::Time until) {
 void StartUp::halt(can::Time now) {
   boot_end_.cancel();
   enter(Phase::halted);
+  master_.commands().withdraw_starts(all_nodes);
   abandon_boots();
   show_starting(now);
 }
@@ -341,6 +364,7 @@ void StartUp::slave_lost(std::uint8_t node_id, can::Time now) {
     }
     if ((bits_ & start_up_bit::reset_all_nodes) != 0) {
       abandon_boots();
+      master_.commands().withdraw_starts(all_nodes);
       master_.send_nmt(NmtCommand::reset_communication, all_nodes, now);
       network_was_reset_ = true;
       // The own node must not be Operational before the mandatory slaves are booted again.

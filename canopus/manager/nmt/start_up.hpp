@@ -5,7 +5,7 @@
 //   1  1F80H bit 0 is 0: no master
 //   2  bit 5 is 1: the flying masters agree first
 //   3  active master
-//   4  reset of all nodes, but for those to be kept alive
+//   4  reset of all nodes, but for those to be kept alive; where that takes its time, what follows waits for it
 //   5  boot slave, all at once
 //   6  all mandatory slaves are booted; boot time over: LSS, then the start-up has failed
 //   7  own node Operational
@@ -17,6 +17,7 @@
 #include <cstdint>
 
 #include "canopus/manager/nmt/master_context.hpp"
+#include "canopus/manager/nmt/nmt_command_queue.hpp"
 #include "canopus/manager/nmt/slave_search.hpp"
 
 namespace canopus::manager {
@@ -33,6 +34,7 @@ class StartUp {
   enum class Phase : std::uint8_t {
     off,
     slave,             ///< 1F80H bit 0 is 0, or another flying master is active
+    resetting,         ///< step 4: the slaves, one by one
     booting,           ///< step 5, until all mandatory slaves are booted
     settling,          ///< nothing assigned: the pause between reset and start
     wait_operational,  ///< step 7: 1F80H bit 2, or the application forbids it
@@ -44,7 +46,8 @@ class StartUp {
   [[nodiscard]] Phase phase() const noexcept { return phase_; }
   [[nodiscard]] bool active() const noexcept { return phase_ > Phase::slave; }
   [[nodiscard]] bool starting() const noexcept {
-    return running_boots_ > 0 || (phase_ > Phase::slave && phase_ < Phase::running);
+    return running_boots_ > 0 || (phase_ > Phase::slave && phase_ < Phase::running) ||
+           master_.commands().start_up_waits();
   }
   /// See NmtMaster.
   [[nodiscard]] bool waits_for_own_start() const noexcept;
@@ -61,6 +64,8 @@ class StartUp {
   /// Steps 3 to 5. `network_was_reset`: step 4 is done.
   void start_network(bool network_was_reset, can::Time now);
   void reset_sent(std::uint8_t node_id, can::Time now);
+  /// An NMT command has left the queue.
+  void command_sent(can::Time now);
   /// The boot-up message of a reset that the slave has answered after already: it says nothing new.
   [[nodiscard]] bool is_late_boot_up(std::uint8_t node_id, can::Time now);
   void boot_up(std::uint8_t node_id, can::Time now);
@@ -98,9 +103,10 @@ class StartUp {
 
  private:
   void begin(can::Time now);
-  /// True when every node was reset, not only those that need not be kept alive.
-  bool reset_network(can::Time now);
-  void boot_all(bool all_were_reset, can::Time now);
+  void reset_network(can::Time now);
+  void boot_all(can::Time now);
+  /// The boot is to begin with the boot-up message of the reset.
+  [[nodiscard]] bool awaits_boot_up(std::uint8_t node_id) const;
   void start_boot(std::uint8_t node_id, bool after_reset, can::Time now);
   void boot_assigned(can::Time now);
   void boot_time_elapsed(can::Time now);
@@ -129,6 +135,8 @@ class StartUp {
   unsigned running_boots_ = 0;
   bool begin_pending_ = false;
   bool network_was_reset_ = false;  // the reset of step 4 was sent already
+  bool all_were_reset_ = false;     // in step 4, not only those that need not be kept alive
+  bool resets_took_time_ = false;   // in step 4
   bool giving_up_ = false;          // the boot time is over
   bool was_starting_ = false;
   bool own_state_changed_ = false;
