@@ -70,7 +70,7 @@ class Listener {
   virtual void receive(const Frame& frame, Time now) = 0;
   /// A frame this participant sent was acknowledged and is complete on the bus.
   virtual void transmitted(const Frame& /*frame*/, Time /*now*/) {}
-  /// The error state of this participant's controller, or a counter's way over the warning limit, changed.
+  /// The controller's error state, or a counter's way over the warning limit, changed; or received frames were lost.
   virtual void controller_changed(Time /*now*/) {}
 };
 

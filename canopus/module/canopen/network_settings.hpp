@@ -38,9 +38,10 @@ class NetworkSettings final : public BufferArea {
   [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time) const override {
     return memory_->word(address);
   }
-  WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time) override {
+  WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override {
     memory_->store(address, value);
     apply();
+    master_->options_changed(now);
     return WriteResult::done;
   }
 

@@ -99,21 +99,30 @@ void TimeStamp::run_from(std::int64_t time, can::Time now) {
   running_ = true;
 }
 
-std::optional<BufferAddress> TimeStamp::set_from_words(can::Time now) {
-  if (!layout_) return std::nullopt;
-  if (layout_->role_with_clock) change_role(word(role), now);
-  if (!produces()) return std::nullopt;  // what a consumer writes is ignored
-  const int y = full_year(word(year), *layout_);
+std::chrono::year_month_day TimeStamp::date_of_words() const {
+  return {std::chrono::year{full_year(word(year), *layout_)}, std::chrono::month{word(month)},
+          std::chrono::day{word(day)}};
+}
+
+std::optional<BufferAddress> TimeStamp::wrong_word() const {
+  const auto date = date_of_words();
+  const int y = static_cast<int>(date.year());
   if (y < layout_->first_year || y > layout_->last_year) return layout_->first + year;
-  const std::chrono::year_month_day date{std::chrono::year{y}, std::chrono::month{word(month)},
-                                         std::chrono::day{word(day)}};
   if (word(month) < 1 || word(month) > 12) return layout_->first + month;
   if (word(day) > 31 || !date.ok()) return layout_->first + day;
   if (word(hour) > 23) return layout_->first + hour;
   if (word(minute) > 59) return layout_->first + minute;
   if (word(second) > 59) return layout_->first + second;
   if (word(interval) > longest_interval) return layout_->first + interval;
-  const std::int64_t days = (std::chrono::sys_days{date} - clock_begin).count();
+  return std::nullopt;
+}
+
+std::optional<BufferAddress> TimeStamp::set_from_words(can::Time now) {
+  if (!layout_) return std::nullopt;
+  if (layout_->role_with_clock) change_role(word(role), now);
+  if (!produces()) return std::nullopt;  // what a consumer writes is ignored
+  if (const auto wrong = wrong_word()) return wrong;
+  const std::int64_t days = (std::chrono::sys_days{date_of_words()} - clock_begin).count();
   run_from(days * seconds_per_day + seconds_of_day(), now);
   if (!layout_->interval_starts) start_interval(now);
   show(now);

@@ -6,6 +6,7 @@
 // The clock stands until the PLC sets it or, as a consumer, a TIME object comes. It counts whole seconds from
 // 2000-01-01 00:00:00 to 2079-12-31 23:59:59 and then begins anew.
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 
@@ -46,6 +47,8 @@ class TimeStamp final : public BufferArea {
   /// Takes the role over, if that is its moment; then the words as the time, if the module is a producer. The address of a word that is out of range, or
   /// nothing; then the clock runs, and next_transmission() is now if a transmission interval is set.
   std::optional<BufferAddress> set_from_words(can::Time now);
+  /// The first word that is out of range as a time, or as a transmission interval.
+  [[nodiscard]] std::optional<BufferAddress> wrong_word() const;
   /// Puts the time into the words.
   void show(can::Time now);
   /// A TIME object was received: the clock runs from there; before 2000 counts as 2000-01-01 00:00:00.
@@ -73,6 +76,7 @@ class TimeStamp final : public BufferArea {
   /// Seconds since 2000-01-01 00:00:00.
   [[nodiscard]] std::int64_t seconds(can::Time now) const;
   [[nodiscard]] std::int64_t seconds_of_day() const;  ///< as the words say
+  [[nodiscard]] std::chrono::year_month_day date_of_words() const;
   void run_from(std::int64_t seconds, can::Time now);
   /// The first TIME object is due now, if there is an interval.
   void start_interval(can::Time now);

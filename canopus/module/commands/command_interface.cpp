@@ -38,9 +38,11 @@ std::uint16_t CommandInterface::read_word(BufferAddress address, can::Time) cons
   const std::size_t word = address - layout_->first;
   if (locked_) {
     constexpr std::array<std::uint16_t, 2> was_busy{command_error::result, command_error::was_busy};
-    return word < was_busy.size() ? was_busy[word] : 0;
+    if (word < was_busy.size()) return was_busy[word];
+    return layout_->is_one_memory ? request_[word] : std::uint16_t{0};
   }
   if (running_ && word == 0) return 0xFFFF;
+  if (layout_->is_one_memory) return request_[word];
   return show_result_ || layout_->reads_results_only ? result_[word] : request_[word];
 }
 
@@ -50,6 +52,7 @@ WriteResult CommandInterface::write_word(BufferAddress address, std::uint16_t va
     const bool may_clear = locked_ || layout_->clear_code_stops;
     if (may_clear && address == layout_->first && value == clear_code) request_[0] = value;
     locked_ = true;
+    if (layout_->is_one_memory) request_[1] = command_error::was_busy;
     return WriteResult::done;
   }
   request_[address - layout_->first] = value;
@@ -83,7 +86,7 @@ void CommandInterface::bus_lost(std::uint16_t error_class, can::Time now) {
   if (client_.busy()) client_.drop(canopen::AbortCode::local_control);
   if (!layout_->has_state_classes) return connection_lost(now);
   frame_due_ = can::never;
-  result_.fill(0);
+  begin_result();
   fail(error_class, now);
 }
 
@@ -103,7 +106,7 @@ void CommandInterface::tick(can::Time now) {
 
 void CommandInterface::begin(can::Time now) {
   held_ = false;
-  result_.fill(0);
+  begin_result();
   const std::span<const CommandRow> table = layout_->commands;
   const auto row = std::ranges::find_if(table, [&](const CommandRow& known) {
     return known.code == running_request_[0] && (known.modes & mode_) != 0;
@@ -170,10 +173,15 @@ void CommandInterface::fail(std::uint16_t error_class, can::Time now) {
   finish(command_error::result, now);
 }
 
+void CommandInterface::begin_result() noexcept {
+  result_ = layout_->is_one_memory ? running_request_ : Plane{};
+}
+
 void CommandInterface::finish(std::uint16_t result, can::Time now) {
   result_[0] = result;
   show_result_ = true;
   running_ = false;
+  if (layout_->is_one_memory && !locked_) request_ = result_;
   host_->command_finished(now);
 }
 

@@ -3,7 +3,7 @@
 // executed, and reads result code and data in the same words: SDO read and write (local and remote, single
 // and multiple), sending an emergency message, and what else the module has [ME3CAN1-Q 3.5.18, 5].
 //
-// The block has two planes. Writes go to the request plane. After a command reads show the result plane; the
+// The block has two planes, or is one memory (CommandLayout::is_one_memory). Writes go to the request plane. After a command reads show the result plane; the
 // next write (or the display command: as the last command found it) brings the request plane back. While a
 // command runs the first word reads FFFFH; a write then locks the interface until command FFFFH is executed.
 //
@@ -95,6 +95,12 @@ struct CommandLayout {
   canopen::AbortCode too_long_at_last = abort_buffer_too_small;
   /// The result of an SDO write has its length [FX2N-32CAN Tab. 6.1].
   bool shows_written_length = false;
+  /// The words are one memory: the result overwrites what it is stored over, and every other word stays as it was
+  /// [RJ71CN91 App. 2 CIF]. Else there are two planes.
+  bool is_one_memory = false;
+  /// This object of the own node takes no value from the interface (06010000H), but one byte 0, which deletes
+  /// [RJ71CN91 App. 5].
+  std::optional<std::uint16_t> object_not_set{};
 };
 
 /// Classes of the general error result 000FH [ME3CAN1-Q 5.4].
@@ -224,6 +230,8 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientListe
   void give_up_sending(can::Time now);
   void finish(std::uint16_t result, can::Time now);
   void fail(std::uint16_t error_class, can::Time now);
+  /// The words of the result before the command stores its own.
+  void begin_result() noexcept;
   [[nodiscard]] bool is_multiple() const noexcept {
     return command_->kind == CommandKind::multi_read || command_->kind == CommandKind::multi_write;
   }

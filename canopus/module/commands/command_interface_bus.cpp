@@ -9,8 +9,6 @@
 
 namespace canopus::module {
 
-namespace {}  // namespace
-
 void CommandInterface::send_emergency(can::Time now) {
   if (host_->bus_obstacle() == command_error::bus_off) return fail(command_error::bus_off, now);
   const std::uint16_t* word = &running_request_[1];
@@ -23,8 +21,9 @@ void CommandInterface::send_emergency(can::Time now) {
 
 void CommandInterface::send_frame(can::Time now) {
   if (const std::uint16_t obstacle = host_->bus_obstacle(); obstacle != 0) return fail(obstacle, now);
-  const auto answer =
-      host_->send_plain_frame(std::span(running_request_).subspan(1), std::span(result_).subspan(1));
+  std::array<std::uint16_t, plain_frame_parameters> faults{};
+  const auto answer = host_->send_plain_frame(std::span(running_request_).subspan(1), faults);
+  if (answer == PlainFrameResult::setting_error) std::ranges::copy(faults, &result_[1]);
   const bool waits = layout_->frame_time_out != can::Duration{};
   if (answer == PlainFrameResult::no_room) {
     if (!waits) return fail(command_error::queue_full, now);

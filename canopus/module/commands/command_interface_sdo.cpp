@@ -15,7 +15,7 @@ constexpr std::uint16_t record_failed = 0x0F00;
 // First byte in the low byte of the first word.
 void put_bytes(std::span<const std::uint8_t> bytes, std::span<std::uint16_t> words) {
   for (std::size_t i = 0; i < bytes.size(); ++i) {
-    words[i / 2] = static_cast<std::uint16_t>(words[i / 2] | bytes[i] << (i % 2 * 8));
+    words[i / 2] = static_cast<std::uint16_t>(i % 2 == 0 ? bytes[i] : words[i / 2] | bytes[i] << 8U);
   }
 }
 
@@ -52,6 +52,9 @@ void CommandInterface::start_access(can::Time now) {
   }
   const auto value = std::span<const std::uint8_t>(download_).first(is_read() ? 0 : length);
   if (is_local(node)) {
+    const bool deletes = value.size() == 1 && value[0] == 0;
+    if (!is_read() && index == layout_->object_not_set && !deletes)
+      return access_done(canopen::AbortCode::unsupported_access, {}, now);
     if (!is_read()) return access_done(host_->dictionary().write(index, sub, value, now), {}, now);
     const auto read = host_->dictionary().read(index, sub, now);
     if (!read) return access_done(read.error(), {}, now);
@@ -112,12 +115,12 @@ void CommandInterface::access_done(canopen::AbortCode code, std::span<const std:
   } else if (is_multiple()) {
     any_failed_ = true;
     result_[word] = static_cast<std::uint16_t>(record_failed | low_byte(running_request_[word]));
-    result_[word + 3] = 0;
+    if (is_read() || !layout_->is_one_memory) result_[word + 3] = 0;
     result_[word + 4] = low_word;
     result_[word + 5] = high_word;
   } else {
     const std::uint16_t node = running_request_[1];
-    result_.fill(0);
+    begin_result();
     result_[2] = node;
     result_[3] = low_word;
     result_[4] = high_word;

@@ -1,5 +1,6 @@
 #include "canopus/module/engine/change_log.hpp"
 
+#include <array>
 #include <utility>
 
 #include "canopus/manager/boot/start_up_bits.hpp"
@@ -18,8 +19,14 @@ void ChangeLog::look_at_parts(can::Time now) {
       parts_.diagnostics.log(ModuleEvent::flying_master, now, parts_.master.active_master());
     }
   }
-  if (!parts_.errors.shows(ModuleError::invalid_value)) parts_.diagnostics.end(Diagnosis::invalid_value);
-  if (!parts_.errors.has(ModuleError::bus_off)) parts_.diagnostics.end(Diagnosis::bus_off);
+  constexpr std::array ends{std::pair{ModuleError::invalid_value, Diagnosis::invalid_value},
+                            std::pair{ModuleError::bus_off, Diagnosis::bus_off},
+                            std::pair{ModuleError::save_while_online, Diagnosis::save_while_online},
+                            std::pair{ModuleError::queue_overflow, Diagnosis::queue_overflow},
+                            std::pair{ModuleError::message_slot, Diagnosis::message_slot}};
+  for (const auto& [error, diagnosis] : ends) {
+    if (!parts_.errors.shows(error)) parts_.diagnostics.end(diagnosis);
+  }
   if (parts_.settings.error()) {
     parts_.diagnostics.raise(Diagnosis::flash_data, now);
   } else {

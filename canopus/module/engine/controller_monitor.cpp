@@ -6,7 +6,9 @@ namespace canopus::module {
 
 void ControllerMonitor::restart(std::uint32_t bit_rate) {
   parts_.controller.restart(bit_rate);
+  parts_.state.boot_up_waits = false;  // nothing waits any more
   overflows_ = 0;
+  overflow_ends_.cancel();
 }
 
 void ControllerMonitor::changed(can::Time now) {
@@ -36,6 +38,8 @@ void ControllerMonitor::look_at_overflows(can::Time now) {
   const std::uint32_t overflows =
       parts_.controller.transmit_overflows() + parts_.controller.receive_overflows();
   if (std::exchange(overflows_, overflows) == overflows) return;
+  const auto& layout = parts_.model.error_status;
+  if (layout && layout->overflow_lasts) overflow_ends_ = can::later(now, *layout->overflow_lasts);
   if (!parts_.errors.raise(ModuleError::queue_overflow)) return;
   parts_.own_emergencies.raise(parts_.model.emergencies.queue_overflow);
   parts_.own_emergencies.send(now);
@@ -43,6 +47,16 @@ void ControllerMonitor::look_at_overflows(can::Time now) {
   overflows_ = parts_.controller.transmit_overflows() + parts_.controller.receive_overflows();
   parts_.report("a queue has overflown: frames were lost", now);
   parts_.diagnostics.raise(Diagnosis::queue_overflow, now);
+}
+
+void ControllerMonitor::tick(can::Time now) {
+  if (now < overflow_ends_) return;
+  overflow_ends_.cancel();
+  if (parts_.controller.has_room()) {
+    parts_.errors.follow(ModuleError::queue_overflow, false);
+  } else {
+    overflow_ends_ = can::later(now, *parts_.model.error_status->overflow_lasts);
+  }
 }
 
 }  // namespace canopus::module

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "canopus/can/alarm.hpp"
 #include "canopus/module/engine/module_context.hpp"
 
 namespace canopus::module {
@@ -17,11 +18,15 @@ class ControllerMonitor {
   void changed(can::Time now);
   /// Frames that its queues had no room for.
   void look_at_overflows(can::Time now);
+  /// Whether an overflow is over: when alarm() is due.
+  void tick(can::Time now);
+  [[nodiscard]] can::Alarm& alarm() noexcept { return overflow_ends_; }
 
  private:
   ModuleContext& parts_;
   bool logged_warning_ = false;  // in the event history
   std::uint32_t overflows_ = 0;  // known
+  can::Alarm overflow_ends_;
 };
 
 }  // namespace canopus::module

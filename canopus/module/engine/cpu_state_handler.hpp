@@ -17,9 +17,9 @@ class CpuStateHandler {
   void watchdog_expired(can::Time now);
   /// The node begins its work, or does so after an NMT reset. A STOP from before may count only now.
   void node_starts(can::Time now);
-  /// After every event: the STOP that counts at the start of the node.
+  /// After every event: the STOP that counts at the start of the node, once it has left Initialisation.
   void enter_due_stop(can::Time now) {
-    if (stop_is_due_) enter_stop(parts_.model.emergencies.cpu_stopped, now);
+    if (stop_is_due_ && !parts_.state.boot_up_waits) enter_stop(parts_.model.emergencies.cpu_stopped, now);
   }
   void initialization_begins() noexcept { stop_is_due_ = false; }
   /// Neither the CPU nor 1029H:01 forbids the state Operational.

@@ -10,16 +10,17 @@
 namespace canopus::module {
 
 /// Emergency messages of the module's own finding. They are sent after what caused them is dealt with, each when the
-/// inhibit time of EMCY (1015H) lets it out.
+/// inhibit time of EMCY (1015H) lets it out, and none before the boot-up message: in a controller that sends by priority
+/// it would overtake the message that ends Initialisation.
 class EmergencyQueue {
  public:
-  explicit EmergencyQueue(canopen::Node& node);
+  EmergencyQueue(canopen::Node& node, const ModuleState& state);
 
   /// `node_id` is added to the code. Eight can wait; more are lost.
   void raise(const EmergencyRow& row, std::uint8_t node_id = 0);
   /// Sends what can go now. In a state without emergency messages all that wait are dropped.
   void send(can::Time now) {
-    if (!messages_.empty()) send_waiting(now);
+    if (!messages_.empty() && !state_->boot_up_waits) send_waiting(now);
   }
   void clear() noexcept;
   /// When send() is to be called again.
@@ -35,6 +36,7 @@ class EmergencyQueue {
   void send_waiting(can::Time now);
 
   canopen::Node* node_;
+  const ModuleState* state_;
   std::vector<Message> messages_;
   can::Alarm due_;
 };

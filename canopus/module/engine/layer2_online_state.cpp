@@ -20,12 +20,32 @@ void Layer2OnlineState::initialized() {
 // Settings that make no sense keep the module offline.
 void Layer2OnlineState::go_online(can::Time now) {
   join(now);
+  if (const auto bad = bad_setting()) {
+    return parts_.report_word(*bad, parts_.buffer.word(*bad),
+                              " is not what was written last, a value out of range: the module stays offline",
+                              now);
+  }
   const auto wrong = parts_.layer2.go_online(now);
-  if (!wrong) return;
-  parts_.errors.record(WriteResult::invalid, *wrong);
+  if (!wrong) return parts_.errors.found_good(WordGroup::layer2);
+  if (parts_.layer2.online()) {
+    parts_.errors.record(WriteResult::invalid, *wrong);
+  } else {
+    parts_.errors.found_wrong(WordGroup::layer2, *wrong);
+  }
   parts_.diagnostics.raise(Diagnosis::invalid_value, now, {*wrong});
   parts_.report_word(*wrong, parts_.buffer.word(*wrong),
                      " does not go with the other Layer 2 settings: the module stays offline", now);
+}
+
+// The function mode is no setting of Y3 [RJ71CN91 App. 1 Y3].
+std::optional<BufferAddress> Layer2OnlineState::bad_setting() const {
+  if (!parts_.layer2.rules().bad_words_keep_offline) return std::nullopt;
+  for (const BufferAddress address : parts_.errors.bad_words()) {
+    const BufferRow* row = parts_.buffer.row(address, WordAccess::write);
+    const bool is_setting = row != nullptr && row->stored == Stored::yes;
+    if (is_setting && address != parts_.model.settings.function_mode) return address;
+  }
+  return std::nullopt;
 }
 
 void Layer2OnlineState::go_offline(can::Time now) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "canopus/module/engine/controller_monitor.hpp"
 
 namespace canopus::module {
@@ -24,6 +26,7 @@ class Layer2OnlineState {
 
  private:
   void join(can::Time now);
+  [[nodiscard]] std::optional<BufferAddress> bad_setting() const;
 
   ModuleContext& parts_;
   ControllerMonitor& controller_;

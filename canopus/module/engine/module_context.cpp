@@ -52,7 +52,7 @@ ModuleContext::ModuleContext(const ModuleModel& the_model, can::Controller& the_
       status_words(model.status, buffer, {state, controller, node, master, layer2}),
       concise_dcfs(node, master, settings.flash(), ModuleSettings::concise_dcfs_name,
                    configuration_options(model, profile)),
-      own_emergencies(node) {
+      own_emergencies(node, state) {
   state.mode = &model.function_modes.front();
 }
 

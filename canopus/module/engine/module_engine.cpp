@@ -22,10 +22,11 @@ ModuleEngine::ModuleEngine(const ModuleModel& model, can::Controller& controller
   controller.set_automatic_recovery(false);  // the way out of bus-off is a restart [ME3CAN1-Q 3.5.7]
   parts_.node.set_parameter_store(&parts_.settings.object_store());
   parts_.process_data.attach(parts_.node);
-  for (can::Alarm* part : {&initialized_at_, &parts_.port->alarm(), &parts_.watchdog.alarm(),
-                           &layer2_bus_.alarm(), &parts_.own_emergencies.alarm(), &parts_.exchange.alarm(),
-                           &parts_.settings.alarm(), &parts_.time_stamp.alarm(), &parts_.node.alarm(),
-                           &parts_.master.alarm(), &parts_.command.alarm(), &parts_.layer2.alarm()}) {
+  for (can::Alarm* part :
+       {&initialized_at_, &parts_.port->alarm(), &parts_.watchdog.alarm(), &controller_side_.alarm(),
+        &layer2_bus_.alarm(), &parts_.own_emergencies.alarm(), &parts_.exchange.alarm(),
+        &parts_.settings.alarm(), &parts_.time_stamp.alarm(), &parts_.node.alarm(), &parts_.master.alarm(),
+        &parts_.command.alarm(), &parts_.layer2.alarm()}) {
     alarm().add_part(*part);
   }
 }
@@ -102,28 +103,42 @@ void ModuleEngine::power_on(can::Time now) {
 
 void ModuleEngine::power_off(can::Time now) {
   if (parts_.state.phase == Phase::off) return;
-  parts_.state.phase = Phase::off;
+  stop(Phase::off, now);
+  parts_.state.hardware_fault = false;
+  parts_.diagnostics.reset();
+}
+
+void ModuleEngine::stop(Phase phase, can::Time now) {
+  parts_.state.phase = phase;
   controller_sends_last_ = false;
   parts_.controller.set_power(false);
-  parts_.state.hardware_fault = false;
   parts_.master.stop(now);
   parts_.node.power_off();
   parts_.layer2.go_offline();
   parts_.command.reset();
   parts_.state.nmt_resetting = false;
+  parts_.state.boot_up_waits = false;
   parts_.exchange.reset();
   parts_.watchdog.reset();
   parts_.settings.cancel_save();
   parts_.time_stamp.alarm().cancel();
   layer2_bus_.stop();
+  controller_side_.alarm().cancel();
   initialized_at_ = can::never;
   parts_.own_emergencies.clear();
-  parts_.diagnostics.reset();
   parts_.port->power_off(now);
 }
 
+// Nothing works any more, but the words that say so [RJ71CN91 App. 1 X0, 5.3, 5.5].
+void ModuleEngine::fail(can::Time now) {
+  stop(Phase::failed, now);
+  parts_.state.hardware_fault = true;
+  parts_.errors.follow(ModuleError::hardware, true);
+  parts_.port->show(now);
+}
+
 void ModuleEngine::inject(ModuleFault fault, can::Time now) {
-  if (parts_.state.phase == Phase::off) return;
+  if (!parts_.state.works()) return;
   switch (fault) {
     case ModuleFault::hardware_error:
       parts_.state.hardware_fault = true;
@@ -138,7 +153,8 @@ void ModuleEngine::inject(ModuleFault fault, can::Time now) {
       parts_.report("the supply was out of range", now);
       return update(now);
     case ModuleFault::watchdog_error:
-      power_off(now);                                           // until the supply has been off
+      // Until the supply has been off.
+      parts_.model.watchdog_error_is_shown ? fail(now) : power_off(now);
       parts_.diagnostics.raise(Diagnosis::watchdog, now, {2});  // the cause codes are not printed
       return parts_.report("watchdog error", now);
   }
@@ -151,7 +167,7 @@ void ModuleEngine::begin_initialization(can::Duration duration, can::Time now) {
   if (!controller_sends_last_) parts_.controller.set_power(false);
   initialized_at_ = can::later(now, duration);
   parts_.settings.cancel_save();
-  parts_.state.nmt_resetting = false;
+  parts_.state.nmt_resetting = parts_.state.boot_up_waits = save_is_refused_ = false;
   cpu_side_.initialization_begins();
   layer2_bus_.stop();
   parts_.own_emergencies.clear();
@@ -288,10 +304,20 @@ void ModuleEngine::transmitted(const can::Frame& frame, can::Time now) {
   if (parts_.state.canopen_mode()) {
     parts_.node.transmitted(frame, now);
     parts_.master.transmitted(frame, now);
-    return parts_.command.transmitted(frame, now);
+    parts_.command.transmitted(frame, now);
+    return end_initialisation_of_node(frame, now);
   }
   parts_.layer2.transmitted(frame);
   if (parts_.layer2.takes_command_frame(frame)) parts_.command.frame_sent(now);
+  update(now);
+}
+
+// The boot-up message does [CiA 301 7.3.2.2].
+void ModuleEngine::end_initialisation_of_node(const can::Frame& frame, can::Time now) {
+  if (!parts_.state.boot_up_waits || frame.remote || frame.extended) return;
+  if (frame.identifier != canopen::cob_id::error_control + parts_.node.node_id() || frame.data[0] != 0)
+    return;
+  parts_.state.boot_up_waits = false;
   update(now);
 }
 
@@ -338,12 +364,13 @@ void ModuleEngine::tick(can::Time now) {
   if (now >= parts_.master.deadline()) parts_.master.tick(now);
   if (now >= parts_.command.alarm()) parts_.command.tick(now);
   if (now >= parts_.layer2.deadline()) parts_.layer2.tick(now);
+  controller_side_.tick(now);
   update(now);
 }
 
 // After every event: what hangs on several causes.
 void ModuleEngine::update(can::Time now) {
-  if (parts_.state.phase == Phase::off) return;
+  if (!parts_.state.works()) return;
   if (parts_.state.running()) {
     cpu_side_.enter_due_stop(now);
     if (parts_.state.canopen_mode()) {
@@ -352,7 +379,7 @@ void ModuleEngine::update(can::Time now) {
     } else {
       parts_.own_emergencies.clear();
       layer2_bus_.leave_when_silent(now);
-      if (parts_.layer2.any_slot_error() && parts_.errors.raise(ModuleError::message_slot)) {
+      if (parts_.errors.track(ModuleError::message_slot, parts_.layer2.any_slot_error())) {
         parts_.report("messages of a slot were lost: they come faster than the module takes them", now);
         parts_.diagnostics.raise(Diagnosis::message_slot, now, {parts_.layer2.first_slot_error()});
       }
@@ -365,6 +392,8 @@ void ModuleEngine::update(can::Time now) {
                   now);
     parts_.diagnostics.raise(Diagnosis::flash_worn, now);
   }
+  save_is_refused_ = save_is_refused_ && parts_.layer2.online();
+  parts_.errors.follow(ModuleError::save_while_online, save_is_refused_);
   change_log_.look(now);
   parts_.errors.follow(ModuleError::hardware, parts_.state.hardware_fault);
   parts_.errors.follow(ModuleError::flash, parts_.settings.error());

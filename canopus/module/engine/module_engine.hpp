@@ -126,6 +126,8 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   void begin_restart(can::Time now);
   /// As the save/restore word says.
   void begin_save(can::Time now);
+  /// The request is taken back.
+  void end_save_request() noexcept { save_is_refused_ = false; }
   void execute_command(can::Time now);
   void set_clock(can::Time now);
   void read_clock(can::Time now);
@@ -159,6 +161,8 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
  private:
   using Phase = ModuleState::Phase;
 
+  void stop(Phase phase, can::Time now);
+  void fail(can::Time now);
   void begin_initialization(can::Duration duration, can::Time now);
   /// Gives the node the dictionary of the function mode.
   void describe_node();
@@ -167,6 +171,8 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   void end_due_initialization(can::Time now);
   [[nodiscard]] bool configuration_is_faulty(can::Time now);
   void end_save(can::Time now);
+  void end_bad_settings();
+  void look_at_words();
   /// Operational, or Layer 2 online.
   [[nodiscard]] bool is_online() const noexcept {
     if (!parts_.state.running()) return false;
@@ -176,11 +182,13 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   /// A word that a module with a faulty stored object dictionary takes.
   [[nodiscard]] bool is_writable_while_stuck(BufferAddress address) const noexcept;
   void note_access(BufferAddress address, can::Time now) {
-    if (parts_.state.phase == Phase::off) return;
+    if (!parts_.state.works()) return;
     parts_.state.last_access = now;
     parts_.watchdog.accessed(address, is_online(), now);
   }
   void end_sending(const can::Frame& frame);
+  void end_initialisation_of_node(const can::Frame& frame, can::Time now);
+  void find_errors_again(can::Time now);
   void receive_pdo(const can::Frame& frame, can::Time now);
   void receive_other(const can::Frame& frame, can::Time now);
   void update_after_frame(can::Time now);
@@ -198,6 +206,7 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   bool restarting_ = false;
   bool takes_files_ = false;            // the supply came: concise DCFs of the CPU's parameters are stored
   bool controller_sends_last_ = false;  // off the bus after the message that says that the module restarts
+  bool save_is_refused_ = false;        // for Layer 2 is online: as long as it is asked for
   can::Time last_frame_{};              // sent or received
   can::Alarm initialized_at_;
 };

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "canopus/module/engine/module_engine.hpp"
 #include "canopus/module/interface/slave_boot_record.hpp"
@@ -23,7 +25,7 @@ bool ModuleEngine::is_writable_while_stuck(BufferAddress address) const noexcept
 }
 
 void ModuleEngine::write_word(BufferAddress address, std::uint16_t value, can::Time now) {
-  if (parts_.state.phase == Phase::off) return;
+  if (!parts_.state.works()) return;
   note_access(address, now);
   const bool allowed = !parts_.state.initializing() ||
                        (parts_.state.phase == Phase::stuck && is_writable_while_stuck(address));
@@ -34,6 +36,7 @@ void ModuleEngine::write_word(BufferAddress address, std::uint16_t value, can::T
     parts_.diagnostics.raise(Diagnosis::invalid_value, now, {parts_.errors.invalid_address()});
   }
   if (result == WriteResult::done) {
+    look_at_words();
     if (!parts_.settings.word_written(address))
       parts_.report("the memory of settings could not be written", now);
     if (!parts_.watchdog.expired()) parts_.command.release(now);
@@ -50,19 +53,30 @@ void ModuleEngine::write_word(BufferAddress address, std::uint16_t value, can::T
   update(now);
 }
 
+// Groups of words that were found wrong may be good now.
+void ModuleEngine::look_at_words() {
+  if (parts_.errors.is_wrong(WordGroup::clock) && !parts_.time_stamp.wrong_word())
+    parts_.errors.found_good(WordGroup::clock);
+  if (parts_.errors.is_wrong(WordGroup::layer2) && !parts_.layer2.setting_error())
+    parts_.errors.found_good(WordGroup::layer2);
+}
+
 // A value out of range changes nothing; the request is answered all the same, so that the program can look at
 // the error status.
 void ModuleEngine::set_clock(can::Time now) {
   if (const auto wrong = parts_.time_stamp.set_from_words(now)) {
-    parts_.errors.record(WriteResult::invalid, *wrong);
+    parts_.errors.found_wrong(WordGroup::clock, *wrong);
     parts_.diagnostics.raise(Diagnosis::invalid_value, now, {*wrong});
     parts_.report("the time stamp words are not a date and time", now);
+  } else {
+    parts_.errors.found_good(WordGroup::clock);
   }
   parts_.port->done(Request::set_clock, now);
 }
 
 void ModuleEngine::read_clock(can::Time now) {
   parts_.time_stamp.show(now);
+  look_at_words();
   parts_.port->done(Request::read_clock, now);
 }
 
@@ -79,7 +93,7 @@ void ModuleEngine::hold_clear_errors(bool held, can::Time now) {
   if (!held && !had_bad_value && parts_.errors.has(ModuleError::invalid_value)) {
     parts_.diagnostics.raise(Diagnosis::invalid_value, now, {parts_.errors.invalid_address()});
   }
-  if (!held && parts_.errors.has(ModuleError::bus_off)) parts_.diagnostics.raise(Diagnosis::bus_off, now);
+  if (!held) find_errors_again(now);
   if (!parts_.model.error_status || !parts_.model.error_status->clears_node_failures) return;
   parts_.nmt_status.hold_clear_all(held);
   if (!held || parts_.state.phase == Phase::off || parts_.state.initializing() ||
@@ -87,6 +101,15 @@ void ModuleEngine::hold_clear_errors(bool held, can::Time now) {
     return;
   parts_.nmt_status.clear_life_guarding(0);
   parts_.master.clear_error_control(0, now);
+}
+
+// Those whose cause is still there.
+void ModuleEngine::find_errors_again(can::Time now) {
+  if (parts_.errors.has(ModuleError::bus_off)) parts_.diagnostics.raise(Diagnosis::bus_off, now);
+  if (parts_.errors.has(ModuleError::save_while_online))
+    parts_.diagnostics.raise(Diagnosis::save_while_online, now);
+  if (parts_.errors.has(ModuleError::message_slot))
+    parts_.diagnostics.raise(Diagnosis::message_slot, now, {parts_.layer2.first_slot_error()});
 }
 
 void ModuleEngine::hold_clear_nmt_errors(bool held, can::Time now) {
@@ -124,7 +147,7 @@ void ModuleEngine::execute_command(can::Time now) {
 // [RJ71CN91 App. 1 Y1F] A request that is refused is not answered.
 void ModuleEngine::begin_save(can::Time now) {
   if (parts_.model.settings.saves_offline_only && parts_.layer2.online()) {
-    if (parts_.errors.raise(ModuleError::save_while_online)) {
+    if (!std::exchange(save_is_refused_, true)) {
       parts_.report("nothing is saved or restored while Layer 2 is online", now);
       parts_.diagnostics.raise(Diagnosis::save_while_online, now);
     }
@@ -140,6 +163,16 @@ void ModuleEngine::go_online(can::Time now) {
   layer2_bus_.go_online(now);
 }
 
+// They have their factory settings.
+void ModuleEngine::end_bad_settings() {
+  const auto bad_words = parts_.errors.bad_words();
+  for (const BufferAddress address : std::vector(bad_words.begin(), bad_words.end())) {
+    const BufferRow* row = parts_.buffer.row(address, WordAccess::write);
+    if (row != nullptr && row->stored == Stored::yes) parts_.errors.record(WriteResult::done, address);
+  }
+  look_at_words();
+}
+
 void ModuleEngine::end_save(can::Time now) {
   if (!parts_.settings.end_save()) parts_.report("the flash memory could not be written", now);
   if (parts_.settings.saves()) parts_.diagnostics.log(ModuleEvent::saved, now);
@@ -147,6 +180,7 @@ void ModuleEngine::end_save(can::Time now) {
     parts_.diagnostics.log(ModuleEvent::restored, now);
     parts_.network_settings.apply();
     parts_.time_stamp.correction_changed(now);
+    end_bad_settings();
   }
   parts_.port->done(Request::save_restore, now);
 }

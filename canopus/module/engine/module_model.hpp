@@ -168,6 +168,9 @@ struct ModuleModel {
   bool takes_parameters = false;
   /// A stored PDO mapping that is faulty keeps the module in its initialization [ME3CAN1-Q 8.1.2].
   bool faulty_mapping_keeps_initializing = false;
+  /// A watchdog error stops the module, which shows it as a hardware error; else nothing of it can be read any more
+  /// [RJ71CN91 5.3, 5.5].
+  bool watchdog_error_is_shown = false;
   /// "load" at 1011H clears the concise DCFs at once, not at the restart [FX3U-CAN 5.6.12].
   bool restore_clears_files_at_once = false;
   /// A start in a Layer 2 mode deletes what 1010H has stored [ME3CAN1-Q 3.5.2].

@@ -32,6 +32,8 @@ void NodeEvents::reset_done(canopen::NmtCommand, can::Time now) {
   parts_.time_stamp.show_role();
   parts_.nmt_status.reset();
   if (std::exchange(parts_.state.nmt_resetting, false)) parts_.status_words.show_nmt_reset(true);
+  // The next frame of the node; without room it is lost.
+  parts_.state.boot_up_waits = parts_.network.is_open() && parts_.controller.has_room();
   cpu_.node_starts(now);
 }
 

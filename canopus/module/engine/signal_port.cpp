@@ -30,9 +30,7 @@ void SignalPort::set_input(RequestUse use, bool on, can::Time now) {
 }
 
 void SignalPort::set_output(unsigned signal, bool on, can::Time now) {
-  if (engine_.state().phase == Phase::off || signal >= row_of_.size() ||
-      !signals_.set_output(signal, on, now))
-    return;
+  if (!engine_.state().works() || signal >= row_of_.size() || !signals_.set_output(signal, on, now)) return;
   if (const SignalRow* row = row_of_[signal]) on ? rising(*row, now) : falling(*row, now);
   engine_.update(now);
 }
@@ -65,12 +63,12 @@ void SignalPort::rising(const SignalRow& row, can::Time now) {
 
 void SignalPort::falling(const SignalRow& row, can::Time now) {
   switch (row.use) {
-    case RequestUse::restart: alarm().cancel(); [[fallthrough]];
+    case RequestUse::save_restore: engine_.end_save_request(); break;
+    case RequestUse::restart: alarm().cancel(); break;
     case RequestUse::data_exchange:
     case RequestUse::command:
     case RequestUse::set_clock:
-    case RequestUse::read_clock:
-    case RequestUse::save_restore: return signals_.set_input(row.number, false, now);
+    case RequestUse::read_clock: break;
     case RequestUse::online: return engine_.go_offline(now);
     case RequestUse::transmit_trigger: return engine_.request_trigger(false);
     case RequestUse::error: return engine_.hold_clear_errors(false, now);
@@ -79,6 +77,7 @@ void SignalPort::falling(const SignalRow& row, can::Time now) {
     case RequestUse::ready:
     case RequestUse::none: return;
   }
+  signals_.set_input(row.number, false, now);
 }
 
 // A request that was taken back meanwhile is not answered.

@@ -85,6 +85,10 @@ class Layer2 final : public BufferArea {
   [[nodiscard]] can::Time deadline() const noexcept { return next_cycle_.deadline(); }
   [[nodiscard]] can::Alarm& alarm() noexcept { return next_cycle_; }
 
+  /// The first word of the settings that makes no sense.
+  [[nodiscard]] std::optional<BufferAddress> setting_error() const noexcept {
+    return settings_.first_error();
+  }
   /// The first slot, from 1, whose error code is not 0; 0: none.
   [[nodiscard]] unsigned first_slot_error() const noexcept;
   /// Some slot's error code is not 0.

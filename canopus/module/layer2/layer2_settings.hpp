@@ -57,6 +57,9 @@ struct Layer2Rules {
   bool overflow_is_of_new_data = false;
   /// The bit rate word is taken over on going online, and bus-off is left then [RJ71CN91 App. 1 Y3, App. 2 G24].
   bool online_applies_bit_rate = false;
+  /// A setting that was last written with a value out of range keeps the module offline, although the word has a good one
+  /// [RJ71CN91 App. 1 Y3, 5.5].
+  bool bad_words_keep_offline = false;
   /// Offline the module is not on the wire: it acknowledges nothing [RJ71CN91 5.4].
   bool offline_is_silent = false;
   /// Of the process data, only the words of transmit slots are saved [RJ71CN91 App. 2 G10000].

@@ -63,8 +63,7 @@ void ErrorStatus::note_write(WriteResult result, BufferAddress address) {
     if (result == WriteResult::invalid && known == bad_words_.end()) bad_words_.push_back(address);
     if (result == WriteResult::done && known != bad_words_.end()) {
       bad_words_.erase(known);
-      // The address is shown until the program clears it [RJ71CN91 App. 2 G39].
-      if (bad_words_.empty()) follow(ModuleError::invalid_value, false);
+      cause_removed();
     }
   }
   if (hold_clear_) return;
@@ -72,11 +71,32 @@ void ErrorStatus::note_write(WriteResult result, BufferAddress address) {
   if (result == WriteResult::refused) note(ModuleError::refused_write, refused_address_, address);
 }
 
+// The address is shown until the program clears it, or the next one comes [RJ71CN91 App. 2 G39].
+void ErrorStatus::cause_removed() {
+  if (!first_cause()) follow(ModuleError::invalid_value, false);
+}
+
+std::optional<BufferAddress> ErrorStatus::first_cause() const noexcept {
+  if (!bad_words_.empty()) return bad_words_.front();
+  return wrong_[0] ? wrong_[0] : wrong_[1];
+}
+
+void ErrorStatus::found_wrong(WordGroup group, BufferAddress address) {
+  if (layout_ && layout_->bad_words_are_causes) wrong_[index(group)] = address;
+  if (!hold_clear_) note(ModuleError::invalid_value, invalid_address_, address);
+}
+
+void ErrorStatus::found_good(WordGroup group) {
+  if (!is_wrong(group)) return;
+  wrong_[index(group)].reset();
+  cause_removed();
+}
+
 void ErrorStatus::hold_clear(bool held) {
   hold_clear_ = held;
   if (held) return clear();
   set(errors_);
-  if (!bad_words_.empty()) note(ModuleError::invalid_value, invalid_address_, bad_words_.front());
+  if (const auto cause = first_cause()) note(ModuleError::invalid_value, invalid_address_, *cause);
 }
 
 void ErrorStatus::clear(Errors errors) noexcept {

@@ -67,7 +67,12 @@ struct ErrorStatusLayout {
   std::span<const WordErrorRow> word_errors{};
   /// While Layer 2 is online invalid_value cannot be cleared [FX3U-CAN 14.2].
   bool keeps_invalid_value_online = false;
+  /// queue_overflow goes by itself when no frame was lost for so long and the transmit queue has room [RJ71CN91 App. 1 XF].
+  std::optional<can::Duration> overflow_lasts{};
 };
+
+/// Words that make sense together, or do not: what they are is found when they are to be used.
+enum class WordGroup : std::uint8_t { clock, layer2 };
 
 class ErrorStatus final : public BufferArea {
  public:
@@ -94,18 +99,24 @@ class ErrorStatus final : public BufferArea {
     set(errors_ ^ mask(error));
     return true;
   }
-  /// As the model's row says: latched, it is raised while its cause is there; else it follows its cause.
-  void track(ModuleError error, bool on) noexcept {
-    if ((latched_ & mask(error)) == 0) {
-      follow(error, on);
-    } else if (on) {
-      raise(error);
-    }
+  /// As the model's row says: latched, it is raised while its cause is there; else it follows its cause. True: it is new.
+  bool track(ModuleError error, bool on) noexcept {
+    if ((latched_ & mask(error)) == 0) return follow(error, on) && on;
+    return on && raise(error);
   }
   /// Records what became of a PLC write.
   void record(WriteResult result, BufferAddress address) {
     if (result != WriteResult::done || !bad_words_.empty() || any_word_error_) note_write(result, address);
   }
+  /// These words make no sense, from this one on: an invalid value.
+  void found_wrong(WordGroup group, BufferAddress address);
+  /// found_wrong() was the last that was said of these words.
+  [[nodiscard]] bool is_wrong(WordGroup group) const noexcept { return wrong_[index(group)].has_value(); }
+  /// They make sense.
+  void found_good(WordGroup group);
+  /// Where values out of range were written to that no good value has followed; empty without
+  /// ErrorStatusLayout::bad_words_are_causes.
+  [[nodiscard]] std::span<const BufferAddress> bad_words() const noexcept { return bad_words_; }
 
   /// Latched errors go, and the addresses with them.
   void clear() noexcept { clear(latched_); }
@@ -116,6 +127,7 @@ class ErrorStatus final : public BufferArea {
     set(0);
     invalid_address_ = refused_address_ = 0;
     bad_words_.clear();
+    wrong_ = {};
     any_word_error_ = false;
   }
 
@@ -137,8 +149,14 @@ class ErrorStatus final : public BufferArea {
   bool note_word_error(WriteResult result, BufferAddress address);
   void note_write(WriteResult result, BufferAddress address);
   void note(ModuleError error, BufferAddress& first, BufferAddress address) noexcept {
-    if (raise(error) && first == 0) first = address;
+    if (raise(error)) first = address;
   }
+  [[nodiscard]] static constexpr std::size_t index(WordGroup group) noexcept {
+    return static_cast<std::size_t>(group);
+  }
+  /// The first of the words that cause an invalid value; nothing: there is no cause any more.
+  [[nodiscard]] std::optional<BufferAddress> first_cause() const noexcept;
+  void cause_removed();
 
   std::optional<ErrorStatusLayout> layout_;
   const BufferMemory* memory_;
@@ -151,7 +169,8 @@ class ErrorStatus final : public BufferArea {
   bool any_word_error_ = false;
   BufferAddress invalid_address_ = 0;
   BufferAddress refused_address_ = 0;
-  std::vector<BufferAddress> bad_words_;  // in the order of their writes
+  std::vector<BufferAddress> bad_words_;                 // in the order of their writes
+  std::array<std::optional<BufferAddress>, 2> wrong_{};  // by WordGroup
 };
 
 }  // namespace canopus::module

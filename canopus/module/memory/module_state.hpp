@@ -32,6 +32,7 @@ struct ModuleState {
     initializing,  ///< power-on or restart until the settings are in force
     stuck,         ///< initializing for ever: the stored object dictionary is faulty
     running,
+    failed,  ///< stopped by its watchdog until the supply goes off: it shows that, and does nothing
   };
 
   Phase phase = Phase::off;
@@ -41,9 +42,12 @@ struct ModuleState {
   bool nmt_resetting = false;   ///< the node is in an NMT reset
   bool hardware_fault = false;  ///< until the supply goes off
   bool cpu_fault = false;       ///< an error of the CPU, until its next RUN
+  bool boot_up_waits = false;   ///< the node's boot-up message is not on the wire yet
   can::Time last_access{};      ///< of the program to a word
 
   [[nodiscard]] bool running() const noexcept { return phase == Phase::running; }
+  /// It has a supply, and has not failed.
+  [[nodiscard]] bool works() const noexcept { return phase != Phase::off && phase != Phase::failed; }
   /// No program may use the module: settings are being put in force.
   [[nodiscard]] bool initializing() const noexcept {
     return phase == Phase::initializing || phase == Phase::stuck || nmt_resetting;

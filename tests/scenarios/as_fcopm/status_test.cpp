@@ -103,38 +103,81 @@ TEST_F(FcopmStatus, D03_APdoThatDoesNotCome) {
 
 TEST_F(FcopmStatus, D03_AnAutoSdoThatIsRefused) {
   RecordProperty("spec", "ASF-SRN-004 ASF-SDO-006");
-  auto& slave = list(3);
-  slave.tx_pdos = {fcopm_pdo(1, 255, {16})};
-  slave.auto_sdos = {{0x2100, 1, {5}}, {0x2200, 2, {1, 2}}, {0x2300, 3, {9}}};
-  slaves[3].refused[{0x2200, 2}] = 0x06020000;
-  start();
-  EXPECT_EQ(code(3), 0xE3U);
-  EXPECT_TRUE(is_abnormal(3));
-  EXPECT_EQ(slaves[3].state, 0x7F) << "not started";
-  EXPECT_FALSE(slaves[3].was_written(0x2300, 3, {9})) << "those behind it are left out";
-  slaves[3].refused.clear();
-  ask({0x0101, 4, 0x0303, 0x81, 3});
-  run(3s);
-  EXPECT_EQ(code(3), 0U);
-  EXPECT_EQ(slaves[3].state, 0x05);
+  for (const std::uint32_t abort_code : {0x06020000U, 0x06010002U}) {  // the second: a read-only object
+    FcopmCard other;
+    auto& slave = other.list(3);
+    slave.tx_pdos = {fcopm_pdo(1, 255, {16})};
+    slave.auto_sdos = {{0x2100, 1, {5}}, {0x2200, 2, {1, 2}}, {0x2300, 3, {9}}};
+    FcopmSlave& there = other.slaves[3];
+    there.refused[{0x2200, 2}] = abort_code;
+    other.start();
+    EXPECT_EQ(other.code(3), 0xE3U) << std::hex << abort_code;
+    EXPECT_TRUE(other.is_abnormal(3));
+    EXPECT_EQ(there.state, 0x7F) << "not started";
+    EXPECT_FALSE(there.was_written(0x2300, 3, {9})) << "those behind it are left out";
+    there.refused.clear();
+    other.ask({0x0101, 4, 0x0303, 0x81, 3});
+    other.run(3s);
+    EXPECT_EQ(other.code(3), 0U);
+    EXPECT_EQ(there.state, 0x05);
+  }
+}
+
+// What its PDOs carry is not what the registers are for: another object, or the same at another place.
+TEST_F(FcopmStatus, ASlaveThatWasNotConfigured_IsShownByItsCodeAlone) {
+  RecordProperty("spec", "ASF-PDO-018 ASF-SRN-004 ASF-SRN-005");
+  for (const FcopmSlave::Object& object :
+       std::vector<FcopmSlave::Object>{{0x1A00, 1}, {0x1A00, 0}, {0x1800, 2}, {0x1600, 1}, {0x2100, 1}}) {
+    FcopmCard other;
+    auto& slave = other.list(64);
+    slave.rx_pdos = {fcopm_pdo(1, 255, {16})};
+    slave.tx_pdos = {fcopm_pdo(1, 255, {16})};
+    slave.auto_sdos = {{0x2100, 1, {5}}};
+    FcopmSlave& there = other.slaves[64];
+    there.refused[object] = 0x06010002;
+    other.start();
+    const std::uint16_t code = object.first == 0x2100 ? 0xE3U : 0xE4U;
+    EXPECT_EQ(other.code(64), code) << std::hex << object.first;
+    // The program starts it all the same, and it sends.
+    other.ask({0x0101, 4, 0x0340, 0x01, 64});
+    EXPECT_EQ(there.state, 0x05);
+    other.receive(0x1C0, {0x34, 0x12});
+    EXPECT_EQ(other.d(24032), 0U) << std::hex << object.first;
+    other.receive(0x1C0, {1, 2, 3});  // nor is its length judged
+    EXPECT_EQ(other.code(64), code);
+    other.forget();
+    other.set_d(25032, 0x5678);
+    other.run(1s);
+    EXPECT_TRUE(other.sent(0x240).empty()) << "it would write another object";
+    // Configured, it is one of the network.
+    there.refused.clear();
+    other.ask({0x0201, 4, 0x0340, 0x81, 64});
+    other.run(3s);
+    EXPECT_EQ(other.code(64), 0U);
+    EXPECT_EQ(other.sent(0x240), (std::vector<Bytes>{{0x78, 0x56}}));
+    other.receive(0x1C0, {0x34, 0x12});
+    EXPECT_EQ(other.d(24032), 0x1234U);
+  }
 }
 
 TEST_F(FcopmStatus, D03_APdoParameterThatIsRefused) {
   RecordProperty("spec", "ASF-SRN-005 ASF-PDO-013");
   for (const FcopmSlave::Object& object :
-       std::vector<FcopmSlave::Object>{{0x1400, 2}, {0x1600, 1}, {0x1801, 1}, {0x1A01, 0}, {0x1801, 5}}) {
-    FcopmCard other;
-    auto& slave = other.list(64);
-    slave.rx_pdos = {fcopm_pdo(1, 255, {16})};
-    slave.tx_pdos = {fcopm_pdo(2, 255, {16})};
-    slave.tx_pdos[0].event_timer = 100;
-    slave.auto_sdos = {{0x2100, 1, {5}}};
-    other.slaves[64].refused[object] = 0x06090030;
-    other.start();
-    EXPECT_EQ(other.code(64), 0xE4U) << std::hex << object.first;
-    EXPECT_TRUE(other.is_abnormal(64));
-    EXPECT_FALSE(other.slaves[64].was_written(0x2100, 1, {5}));
-  }
+       std::vector<FcopmSlave::Object>{{0x1400, 2}, {0x1600, 1}, {0x1801, 1}, {0x1A01, 0}, {0x1801, 5}})
+    for (const std::uint32_t abort_code : {0x06090030U, 0x06010002U}) {
+      FcopmCard other;
+      auto& slave = other.list(64);
+      slave.rx_pdos = {fcopm_pdo(1, 255, {16})};
+      slave.tx_pdos = {fcopm_pdo(2, 255, {16})};
+      slave.tx_pdos[0].event_timer = 100;
+      slave.auto_sdos = {{0x2100, 1, {5}}};
+      other.slaves[64].refused[object] = abort_code;
+      other.start();
+      EXPECT_EQ(other.code(64), 0xE4U) << std::hex << object.first;
+      EXPECT_EQ(other.slaves[64].state, 0x7F);
+      EXPECT_TRUE(other.is_abnormal(64));
+      EXPECT_FALSE(other.slaves[64].was_written(0x2100, 1, {5}));
+    }
 }
 
 TEST_F(FcopmStatus, D03_AnotherDeviceThanConfigured) {

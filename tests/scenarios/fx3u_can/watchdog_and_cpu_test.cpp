@@ -213,5 +213,24 @@ TEST(FxLeds, TheErrorLed_ShowsTheWorst) {
   EXPECT_EQ(led(s, "ERROR"), LedPattern::on);
 }
 
+// EMCY belongs to Pre-operational and Operational, which the boot-up message begins [FX3U-CAN 5.8.1, 6.23].
+TEST(FxCpu, MessageOfStop_WaitsForTheBootUpMessage) {
+  RecordProperty("spec", "FX3U-EMCY-015 FX3U-EMCY-011");
+  const can::Frame boot_up = can::data_frame(0x77F, Bytes{0x00});
+  for (const std::uint8_t behaviour : Bytes{0, 1, 2}) {
+    for (const Bytes& reset : {Bytes{}, Bytes{0x82, 0x7F}, Bytes{0x81, 0x00}}) {
+      BlockScenario s;
+      ASSERT_EQ(s.plug_in().preset_object(0x1029, 1, Bytes{behaviour}), canopen::AbortCode::none);
+      s.cpu(module::CpuState::stop).supply_on();
+      if (!reset.empty()) s.advance(5s).ignore_tx().rx(0x000, reset);
+      s.controller().completes = false;
+      s.advance(5s).tx(boot_up).no_tx().expect(727, 0x7F);
+      s.controller().completes = true;
+      s.controller().completing.push_back(boot_up);
+      s.advance(0s).tx(0x0FF, cpu_stopped).no_tx().expect(727, behaviour == 2 ? 0x04 : 0x7F);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace canopus::scenario::fx3u_can_watchdog_and_cpu_test

@@ -12,25 +12,20 @@ TEST_P(ConciseDcf, S77_Download_Delete_Limits) {
        "RJ71-CM-006 RJ71-CM-004 RJ71-CM-005");
   IntelligentScenario s(GetParam());
   s.power_on();
-  s.cif(download(2));
-  s.expect(1000, 0x0003);
+  EXPECT_EQ(write_concise_dcf(s, 2), 0U);
   s.supply_off();
   s.power_on();  // in the flash memory at once
   s.cif({0x0004, 0, 0x1F22, 2});
   s.expect(1000, {0x0005, 0, 0x1F22, 2, 13})
       .expect(1005, {0x0001, 0x0000, 0x1017, 0x0200, 0x0000, 0xE800, 0x0003});
-  expect_abort(s, download(2), 0x06010002);
-  s.cif({0x0002, 0, 0x1F22, 2, 1, 0});
-  s.expect(1000, 0x0003);
-  expect_abort(s, download(2), 0x06060000);  // the erase still runs
-  expect_abort(s, download(3), 0x06060000);
+  EXPECT_EQ(write_concise_dcf(s, 2), 0x06010002U);
+  EXPECT_EQ(write_concise_dcf(s, 2, {0}), 0U);
+  EXPECT_EQ(write_concise_dcf(s, 2), 0x06060000U);  // the erase still runs
+  EXPECT_EQ(write_concise_dcf(s, 3), 0x06060000U);
   s.advance(2s);
-  s.cif(download(2));
-  s.expect(1000, 0x0003);
-  s.cif({0x0002, 0, 0x1F22, 2, 1, 1});  // one byte, but no 0: not a deletion
-  s.expect_abort(0x06010002);
-  s.cif({0x0002, 0, 0x1F22, 2, 2, 0});  // 0, but two bytes
-  s.expect_abort(0x06010002);
+  EXPECT_EQ(write_concise_dcf(s, 2), 0U);
+  EXPECT_EQ(write_concise_dcf(s, 2, {1}), 0x06010002U);  // one byte, but no 0: not a deletion
+  EXPECT_EQ(write_concise_dcf(s, 2, {0, 0}), 0x06010002U);
   s.cif({0x0004, 0, 0x1F22, 2});
   s.expect(1000, 0x0005).expect(1004, 13);
   // Larger than a concise DCF may be: over the bus, segmented.
@@ -66,36 +61,30 @@ TEST_P(ConciseDcf, EmptyConciseDcf_IsTakenAndMeansNoConfiguration) {
   spec("ME3-CFG-002 ME3-CFG-004 ME3-CFG-006", "RJ71-CM-004 RJ71-CM-006 RJ71-CM-005");
   IntelligentScenario s(GetParam());
   s.power_on();
-  const Words empty{0x0002, 0, 0x1F22, 2, 4, 0, 0};
-  s.cif(empty);
-  s.expect(1000, 0x0003);
+  const Bytes empty(4, 0);
+  EXPECT_EQ(write_concise_dcf(s, 2, empty), 0U);
   s.cif({0x0004, 0, 0x1F22, 2});
   s.expect(1000, 0x0005).expect(1004, 0);
-  s.cif(download(2));  // at once: there was nothing to erase
-  s.expect(1000, 0x0003);
-  s.cif(empty);
-  s.expect(1000, 0x0003);
+  EXPECT_EQ(write_concise_dcf(s, 2), 0U);  // at once: there was nothing to erase
+  EXPECT_EQ(write_concise_dcf(s, 2, empty), 0U);
   s.cif({0x0004, 0, 0x1F22, 2});
   s.expect(1000, 0x0005).expect(1004, 0);
-  expect_abort(s, download(2), 0x06060000);  // the erase runs
+  EXPECT_EQ(write_concise_dcf(s, 2), 0x06060000U);  // the erase runs
   s.advance(2s);
   s.supply_off();
   s.power_on();
   s.cif({0x0004, 0, 0x1F22, 2});
   s.expect(1000, 0x0005).expect(1004, 0);
   // An announced entry is none of that; nor are bytes after the count.
-  s.cif(download(3));
-  s.expect(1000, 0x0003);
-  expect_abort(s, {0x0002, 0, 0x1F22, 3, 4, 1, 0}, 0x06010002);
-  expect_abort(s, {0x0002, 0, 0x1F22, 3, 5, 0, 0, 0}, 0x06010002);
+  EXPECT_EQ(write_concise_dcf(s, 3), 0U);
+  EXPECT_EQ(write_concise_dcf(s, 3, {1, 0, 0, 0}), 0x06010002U);
+  EXPECT_EQ(write_concise_dcf(s, 3, {0, 0, 0, 0, 0}), 0x06010002U);
   // With sixty files, an empty one is no sixty-first.
   for (std::uint16_t sub = 10; sub < 69; ++sub) {
-    s.cif(download(sub));
-    s.expect(1000, 0x0003);
+    EXPECT_EQ(write_concise_dcf(s, sub), 0U);
   }
-  expect_abort(s, download(100), 0x08000020);
-  s.cif({0x0002, 0, 0x1F22, 100, 4, 0, 0});
-  s.expect(1000, 0x0003);
+  EXPECT_EQ(write_concise_dcf(s, 100), 0x08000020U);
+  EXPECT_EQ(write_concise_dcf(s, 100, empty), 0U);
 }
 
 // Each of the three groups has a way of its own to be saved, which saves nothing of the others.
@@ -108,7 +97,7 @@ TEST_P(ConciseDcf, ThreeGroupsOfData_AreSavedSeparately) {
     s.set_object(0x1015, 0, 5, 2);
     if (way == 1) s.save();
     if (way == 2) s.store_objects();
-    if (way == 3) s.cif(download(2));
+    if (way == 3) write_concise_dcf(s, 2);
     s.supply_off();
     s.power_on();
     s.expect(70, way == 1 ? 1000 : 500);
@@ -123,21 +112,19 @@ TEST_P(ConciseDcf, SixtyFiles_AndNotOneMore) {
   IntelligentScenario s(GetParam());
   s.power_on();
   for (std::uint16_t sub = 68; sub <= 127; ++sub) {
-    s.cif(download(sub));
-    s.expect(1000, 0x0003);
+    EXPECT_EQ(write_concise_dcf(s, sub), 0U);
   }
-  expect_abort(s, download(1), 0x08000020);
+  EXPECT_EQ(write_concise_dcf(s, 1), 0x08000020U);
   for (std::uint16_t sub = 1; sub <= 127; ++sub) {
     s.cif({0x0004, 0, 0x1F22, sub});
     s.expect(1000, {0x0005, 0, 0x1F22, sub, sub >= 68 ? std::uint16_t{13} : std::uint16_t{0}});
   }
-  for (const std::uint16_t sub : Words{0x80, 0xFF}) expect_abort(s, {0x0004, 0, 0x1F22, sub}, 0x06090011);
+  for (const std::uint16_t sub : Words{0x80, 0xFF}) s.cif({0x0004, 0, 0x1F22, sub}).expect_abort(0x06090011);
   // One deleted makes room for one.
-  s.cif({0x0002, 0, 0x1F22, 100, 1, 0});
-  s.expect(1000, 0x0003).advance(2s);
-  s.cif(download(1));
-  s.expect(1000, 0x0003);
-  expect_abort(s, download(2), 0x08000020);
+  EXPECT_EQ(write_concise_dcf(s, 100, {0}), 0U);
+  s.advance(2s);
+  EXPECT_EQ(write_concise_dcf(s, 1), 0U);
+  EXPECT_EQ(write_concise_dcf(s, 2), 0x08000020U);
   s.supply_off();
   s.power_on();
   s.cif({0x0004, 0, 0x1F22, 1});
@@ -170,7 +157,7 @@ TEST_P(ConciseDcf, SixtyFilesOfTheGreatestLength) {
     content[4] = sub;
     download_whole(sub);
   }
-  expect_abort(s, download(61), 0x08000020);
+  EXPECT_EQ(write_concise_dcf(s, 61), 0x08000020U);
   const auto upload_whole = [&](std::uint8_t sub) {
     s.rx(0x67F, {0x40, 0x22, 0x1F, sub, 0, 0, 0, 0})
         .tx(0x5FF, {0x41, 0x22, 0x1F, sub, 0xFB, 0xFF, 0x00, 0x00});
@@ -198,8 +185,8 @@ TEST_P(ConciseDcf, RestoreDefaults_DeletesAllAtTheRestart) {
   spec("ME3-STO-006", "");
   IntelligentScenario s(GetParam());
   s.power_on();
-  s.cif(download(2));
-  s.cif(download(3));
+  EXPECT_EQ(write_concise_dcf(s, 2), 0U);
+  EXPECT_EQ(write_concise_dcf(s, 3), 0U);
   s.set_object(0x1011, 1, 0x64616F6C, 4);
   s.cif({0x0004, 0, 0x1F22, 3});
   s.expect(1004, 13);  // not before
@@ -218,16 +205,16 @@ TEST_P(ConciseDcf, S79_ConfigurationRequest) {
   spec("ME3-CFG-008 ME3-CFG-012 ME3-CFG-013 ME3-CFG-014", "RJ71-CM-003 RJ71-CM-008");
   IntelligentScenario s(GetParam());
   s.power_on_as_master();
-  s.cif(download(1));  // for the own node: never executed
-  s.cif(download(2));
-  s.cif(download(3));
+  EXPECT_EQ(write_concise_dcf(s, 1), 0U);  // for the own node: never executed
+  EXPECT_EQ(write_concise_dcf(s, 2), 0U);
+  EXPECT_EQ(write_concise_dcf(s, 3), 0U);
   const Words conf{4, 0x6F63, 0x666E};
   const auto request = [&](std::uint16_t sub) {
     return Words{0x0002, 0, 0x1F25, sub, conf[0], conf[1], conf[2]};
   };
   s.cif(request(1));
   s.expect(1000, 0x0003).no_tx();
-  expect_abort(s, request(4), 0x08000024);
+  s.cif(request(4)).expect_abort(0x08000024);
   s.no_tx();
   s.cif({0x0002, 0, 0x1F25, 2, 4, 0x6F63, 0x666F});
   s.expect(1000, {0x000F, 0x0003}).no_tx();
@@ -248,10 +235,9 @@ TEST_P(ConciseDcf, LongEntries_GoSegmented) {
   spec("ME3-SDO-003 ME3-CFG-012", "RJ71-CM-003");
   IntelligentScenario s(GetParam());
   s.power_on_as_master();
-  Words command{0x0002, 0, 0x1F22, 2, 111, 0x0001, 0x0000, 0x2000, 0x6401, 0x0000, 0x0000};
-  command.resize(5 + 56, 0x0000);
-  s.cif(command);
-  s.expect(1000, 0x0003);
+  Bytes file{1, 0, 0, 0, 0x00, 0x20, 0x01, 100, 0, 0, 0};
+  file.resize(111);
+  EXPECT_EQ(write_concise_dcf(s, 2, file), 0U);
   s.cif({0x0002, 0, 0x1F25, 2, 4, 0x6F63, 0x666E});
   s.expect(1000, 0x0003);
   s.tx(0x602, {0x21, 0x00, 0x20, 0x01, 100, 0, 0, 0}).rx(0x582, {0x60, 0x00, 0x20, 0x01, 0, 0, 0, 0});
@@ -267,11 +253,11 @@ TEST_P(ConciseDcf, LongEntries_GoSegmented) {
 TEST_P(ConciseDcf, RestoreThatCannotBeWritten_DeletesNothing) {
   IntelligentScenario s(GetParam());
   s.power_on();
-  s.cif(download(2));
+  EXPECT_EQ(write_concise_dcf(s, 2), 0U);
   s.set_object(0x1015, 0, 5, 2);
   s.store_objects();
   s.flash().writable = false;
-  expect_abort(s, {0x0002, 0, 0x1011, 1, 4, 0x6F6C, 0x6461}, 0x06060000);
+  s.cif({0x0002, 0, 0x1011, 1, 4, 0x6F6C, 0x6461}).expect_abort(0x06060000);
   s.flash().writable = true;
   s.restart();
   s.expect_object(0x1015, 0, 5, 2);
@@ -284,14 +270,13 @@ TEST_P(ConciseDcf, FileInUse_IsNotDeleted) {
   spec("ME3-CFG-006 ME3-CFG-007", "RJ71-CM-005");
   IntelligentScenario s(GetParam());
   s.power_on_as_master();
-  s.cif(download(2));
-  s.cif(download(3));
+  EXPECT_EQ(write_concise_dcf(s, 2), 0U);
+  EXPECT_EQ(write_concise_dcf(s, 3), 0U);
   s.cif({0x0002, 0, 0x1F25, 2, 4, 0x6F63, 0x666E});
   s.expect(1000, 0x0003).tx(0x602, {0x2B, 0x17, 0x10, 0x00, 0xE8, 0x03, 0, 0}).no_tx();
-  expect_abort(s, {0x0002, 0, 0x1F22, 2, 1, 0}, 0x06060000);
+  EXPECT_EQ(write_concise_dcf(s, 2, {0}), 0x06060000U);
   s.rx(0x582, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0}).no_tx();
-  s.cif({0x0002, 0, 0x1F22, 2, 1, 0});
-  s.expect(1000, 0x0003);
+  EXPECT_EQ(write_concise_dcf(s, 2, {0}), 0U);
   s.cif({0x0004, 0, 0x1F22, 2});
   s.expect(1000, 0x0005).expect(1004, 0);
 }

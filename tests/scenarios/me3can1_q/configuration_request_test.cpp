@@ -17,8 +17,7 @@ TEST_P(ConfigurationRequest, S79_RequestToAll_IsForEveryNodeWithData_FirstAndLas
   s.store_objects().restart();
   s.advance(5s).ignore_tx().expect_bit(25, 15, true);
   for (const std::uint16_t node : Words{1, 9, 127}) {
-    s.cif(download(node));
-    s.expect(1000, 0x0003);
+    EXPECT_EQ(write_concise_dcf(s, node), 0U);
   }
   s.cif({0x0002, 0, 0x1F25, 0x80, 4, 0x6F63, 0x666E});
   s.expect(1000, 0x0003);
@@ -35,8 +34,8 @@ TEST_P(ConfigurationRequest, RequestToAll_LeavesOutASlaveThatIsBeingBooted) {
   s.set_object(0x1F80, 0, 0x0000000D, 4);
   s.set_object(0x1F81, 2, 0x05, 4);
   s.store_objects().restart();
-  s.cif(download(2));
-  s.cif(download(3));
+  EXPECT_EQ(write_concise_dcf(s, 2), 0U);
+  EXPECT_EQ(write_concise_dcf(s, 3), 0U);
   s.advance(5s).ignore_tx();
   s.cif({0x0002, 0, 0x1F25, 0x80, 4, 0x6F63, 0x666E});
   s.expect(1000, 0x0003);
@@ -50,18 +49,18 @@ TEST_P(ConfigurationRequest, RequestToAll_WithAFileForTheOwnNodeAlone_DoesNothin
   s.power_on_as_master();
   const Words request_all{0x0002, 0, 0x1F25, 0x80, 4, 0x6F63, 0x666E};
   s.cif(request_all).expect(1000, 0x0003).no_tx();
-  s.cif(download(1));
+  EXPECT_EQ(write_concise_dcf(s, 1), 0U);
   s.cif(request_all).expect(1000, 0x0003).no_tx();
-  expect_abort(s, {0x0002, 0, 0x1F25, 2, 4, 0x6F63, 0x666E}, 0x08000024);
+  s.cif({0x0002, 0, 0x1F25, 2, 4, 0x6F63, 0x666E}).expect_abort(0x08000024);
 }
 
 TEST_P(ConfigurationRequest, ConfigurationRequest_NeedsTheActiveMaster) {
   spec("ME3-CFG-001", "");
   IntelligentScenario s(GetParam());
   s.power_on();
-  s.cif(download(2));
+  EXPECT_EQ(write_concise_dcf(s, 2), 0U);
   for (const std::uint16_t sub : Words{2, 0x80}) {
-    expect_abort(s, {0x0002, 0, 0x1F25, sub, 4, 0x6F63, 0x666E}, 0x08000022);
+    s.cif({0x0002, 0, 0x1F25, sub, 4, 0x6F63, 0x666E}).expect_abort(0x08000022);
   }
   s.no_tx();
 }

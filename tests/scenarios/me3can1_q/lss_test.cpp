@@ -104,6 +104,7 @@ TEST_P(Lss, S76_MandatorySlaveMissing_IsSelectedByItsIdentity_AndGetsNodeIdAndBi
     for (const std::uint8_t byte : canopen::little_endian(identity[sub - 1], 4)) answer.push_back(byte);
     s.rx(0x585, answer);
   }
+  if (is_rj71cn91()) s.no_tx().advance(500ms);  // G70
   s.tx(0x000, {0x01, 0x05}).expect_bit(25, 0, true).expect_bit(405, 4, false).no_tx();
 }
 

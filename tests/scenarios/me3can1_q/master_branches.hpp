@@ -1,6 +1,7 @@
 #pragma once
 // A master with a slave that it configures: what the tests of its branches have in common.
 
+#include "scenarios/me3can1_q/concise_dcf.hpp"
 #include "scenarios/me3can1_q/nmt_master_slave.hpp"
 
 namespace canopus::scenario::nmt_master_slave {
@@ -33,9 +34,9 @@ inline void set(IntelligentScenario& s, std::initializer_list<Object> objects,
 
 /// 1F22H/02: 1017H:00 = 1000, 1800H:01 = 80000181H.
 inline void store_concise_dcf(IntelligentScenario& s, Where where = Where::current()) {
-  s.cif({0x0002, 0, 0x1F22, 2, 24, 0x0002, 0x0000, 0x1017, 0x0200, 0x0000, 0xE800, 0x0003, 0x0118, 0x0004,
-         0x0000, 0x0181, 0x8000},
-        where);
+  const Bytes file{2,    0, 0,    0, 0x17, 0x10, 0, 2, 0,    0,    0,    0xE8,
+                   0x03, 0, 0x18, 1, 4,    0,    0, 0, 0x81, 0x01, 0x00, 0x80};
+  if (write_concise_dcf(s, 2, file) != 0) ADD_FAILURE_AT(where.file_name(), static_cast<int>(where.line()));
 }
 
 /// Node 1 with these objects stored, after a restart: Reset communication was sent just now.

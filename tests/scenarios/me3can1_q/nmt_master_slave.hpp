@@ -18,6 +18,7 @@ struct Object {
 inline void boot_master(IntelligentScenario& s, std::initializer_list<Object> objects,
                         Where where = Where::current()) {
   s.plug_in().preset_word(27, 1);
+  if (s.is_rj71cn91()) s.plug_in().preset_word(70, 0);  // with it: rj71cn91/command_delay_test.cpp
   for (const Object& object : objects) {
     const unsigned length = object.index == 0x1017 || object.index == 0x100C ? 2
                             : object.index == 0x1029                         ? 1

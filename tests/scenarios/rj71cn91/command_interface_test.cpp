@@ -35,6 +35,94 @@ TEST(Rj71Cif, Handshake_AndTheAreaStaysAsItIs) {
   s.advance(1h).expect(1000, {0x0005, 0, 0x1017, 0, 2, 0}).no_tx();
 }
 
+/// Every word of the interface holds A5A5H but for those of `command`, which is executed.
+void execute(IntelligentScenario& s, const Words& command, Words& words) {
+  words.assign(67, 0xA5A5);
+  std::ranges::copy(command, words.begin());
+  s.write(1000, words).y(0x17, true).wait_x(0x17, true).y(0x17, false);
+}
+
+// "The area will not be cleared after command execution."
+TEST(Rj71Cif, Result_OverwritesItsWords_AndNoOther) {
+  RecordProperty("spec", "RJ71-CIF-002 RJ71-CIF-004 RJ71-CIF-008 RJ71-CIF-010");
+  struct Row {
+    Words command;
+    Words result;  // the first words
+  };
+  IntelligentScenario s(rj71cn91);
+  s.power_on_as(1);
+  const Words read_1017{0, 0x1017, 0, 0x1111, 0x2222, 0x3333, 0x4444, 0x5555};
+  const Words none{0xFFFF, 0x1000, 0, 0x1111, 0x2222, 0x3333, 0x4444, 0x5555};
+  const Words read_1008{1, 0x1008, 0, 0x1111, 0x2222, 0x3333, 0x4444, 0x5555};
+  const Words missing{0, 0x2FFF, 1, 0x1111, 0x2222, 0x3333, 0x4444, 0x5555};
+  const auto records = [](std::uint16_t code, const std::vector<Words>& parts) {
+    Words words{code};
+    for (const Words& part : parts) words.insert(words.end(), part.begin(), part.end());
+    while (words.size() < 65) words.push_back((words.size() - 1) % 8 == 0 ? 0xFFFF : 0x7777);
+    return words;
+  };
+  const std::vector<Row> rows{
+      {{0x0004, 0, 0x1017, 0xAB00}, {0x0005, 0, 0x1017, 0, 2, 0}},
+      {{0x0004, 1, 0x1001, 0}, {0x0005, 1, 0x1001, 0, 1, 0}},
+      {{0x0004, 0, 0x1008, 0}, {0x0005, 0, 0x1008, 0, 8, 0x4A52, 0x3137, 0x4E43, 0x3139}},
+      {{0x0002, 0, 0x1017, 0, 2, 0x0101}, {0x0003, 0, 0x1017, 0}},
+      {{0x0002, 0, 0x1017, 0, 3, 0x0101}, {0x000F, 0x0003, 0, 0x0012, 0x0607}},
+      {{0x0004, 0, 0x2FFF, 1}, {0x000F, 0x0003, 0, 0x0000, 0x0602}},
+      {{0x0004, 200, 0x1000, 0}, {0x000F, 0x0003, 200, 0x0001, 0x0504}},
+      {{0x1234, 5, 6}, {0x000F, 0x0064}},
+      {{0x000A, 0xFF00, 0x0081, 0, 0}, {0x000B, 0x0000}},
+      {{0xFFFF, 5, 6}, {0x0000}},
+      {records(0x0008, {read_1017, none, read_1008, missing}),
+       records(0x00F9, {{0, 0x1017, 0, 2, 0x0101, 0x3333, 0x4444, 0x5555},
+                        none,
+                        {1, 0x1008, 0, 8, 0x4A52, 0x3137, 0x4E43, 0x3139},
+                        {0x0F00, 0x2FFF, 1, 0, 0x0000, 0x0602, 0x4444, 0x5555}})},
+      {records(0x0006, {{0, 0x1017, 0, 2, 0x0202, 0x3333, 0x4444, 0x5555}, none, missing}),
+       records(0x00F7, {{0, 0x1017, 0, 2, 0x0202, 0x3333, 0x4444, 0x5555},
+                        none,
+                        {0x0F00, 0x2FFF, 1, 0x1111, 0x0010, 0x0607, 0x4444, 0x5555}})},
+  };
+  for (const Row& row : rows) {
+    SCOPED_TRACE(testing::PrintToString(row.command));
+    Words words;
+    execute(s, row.command, words);
+    std::ranges::copy(row.result, words.begin());
+    s.expect(1000, words).advance(1h).expect(1000, words).ignore_tx();
+    // A write changes its word, and brings nothing back.
+    s.write(1033, 0x1234);
+    words[33] = 0x1234;
+    s.expect(1000, words);
+  }
+  // Altered while it runs: the error is stored over two words, the others stay; FFFFH stores one.
+  Words words(67, 0xA5A5);
+  std::ranges::copy(Words{0x0004, 5, 0x1000, 0}, words.begin());
+  s.write(1000, words).y(0x17, true).advance(1ms).write(1010, 7).ignore_tx();
+  words[0] = 0x000F;
+  words[1] = 0xFFFF;
+  s.expect(1000, words).wait_x(0x17, true).expect(1000, words).y(0x17, false).ignore_tx();
+  s.write(1000, 0xFFFF).y(0x17, true).wait_x(0x17, true).y(0x17, false);
+  words[0] = 0x0000;
+  s.expect(1000, words).no_tx();
+}
+
+TEST(Rj71Cif, ResultOfAFrame_OverwritesItsWords_AndNoOther) {
+  RecordProperty("spec", "RJ71-CIF-002 RJ71-CIF-011 RJ71-L2CIF-001 RJ71-L2CIF-002 RJ71-L2CIF-003");
+  IntelligentScenario s(rj71cn91);
+  s.power_on_layer2(11);
+  s.online();
+  Words words;
+  execute(s, {0x000C, 0x0123, 0, 0, 2, 0x0201}, words);
+  words[0] = 0x000D;
+  s.expect(1000, words).tx(0x123, {1, 2}).no_tx();
+  execute(s, {0x000C, 0x0123, 1, 0, 9, 0x0201}, words);
+  std::ranges::copy(Words{0xF00C, 0, 1, 0, 9}, words.begin());
+  s.expect(1000, words).no_tx();
+  s.controller().completes = false;
+  execute(s, {0x000C, 0x0123, 0, 0, 2, 0x0201}, words);
+  std::ranges::copy(Words{0x000F, 0x000F, 0x2002}, words.begin());
+  s.expect(1000, words).ignore_tx();
+}
+
 TEST(Rj71Cif, MultiRead_EightRecords_AndFailuresAmongThem) {
   RecordProperty("spec", "RJ71-SDO-003 RJ71-SDO-006");
   IntelligentScenario s(rj71cn91);
@@ -60,12 +148,12 @@ TEST(Rj71Cif, MultiRead_EightRecords_AndFailuresAmongThem) {
       s.rx(0x5FE, {0x4F, 0x01, 0x20, 0x02, 0x5A, 0, 0, 0});
     }
     s.expect_x(0x17, true).no_tx().expect(1000, third_fails ? 0x00F9 : 0x0009);
-    s.expect(1001, {0, 0x1018, 1, 4, 0x01D0, 0, 0, 0})
+    s.expect(1001, {0, 0x1018, 1, 4, 0x01D0, 0, 0xAAAA, 0xAAAA})  // behind the data nothing is cleared
         .expect(1009, {2, 0x2000, 1, 8, 0x0201, 0x0403, 0x0605, 0x0807});
     if (third_fails) {
       s.expect(1017, {0x0F7E, 0x2001, 2, 0, 0x0030, 0x0609});
     } else {
-      s.expect(1017, {126, 0x2001, 2, 1, 0x005A, 0, 0, 0});
+      s.expect(1017, {126, 0x2001, 2, 1, 0x005A, 0xAAAA, 0xAAAA, 0xAAAA});
     }
     s.expect(1025, {0, 0x1018, 0, 1, 0x0003, 0, 0, 0}).expect(1033, {0, 0x1018, 1, 4, 0x01D0, 0, 0, 0});
     s.expect(1041, {0, 0x1018, 2, 4, 0x0100, 0, 0, 0}).expect(1049, {0, 0x1018, 3, 4, 0, 0x0001, 0, 0});

@@ -6,7 +6,7 @@
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/module/models/rj71cn91/event_table.hpp"
 
-#include "scenarios/me3can1_q/scenario.hpp"
+#include "scenarios/me3can1_q/concise_dcf.hpp"
 #include "support/spec_table.hpp"
 
 namespace canopus::scenario::rj71cn91_diagnostics_test {
@@ -145,7 +145,7 @@ TEST(Rj71Events, Objects_StoredAndRestored) {
   s.expect_object(0x1017, 0, 500, 2).ignore_tx();
   // A concise DCF goes to the flash memory by itself.
   seen = count(s);
-  s.cif({0x0002, 0, 0x1F22, 5, 13, 1, 0, 0x1017, 0x0200, 0, 0x0000, 0x0064}).ignore_tx();
+  EXPECT_EQ(write_concise_dcf(s, 5, write_of_1017(0x6400)), 0U);
   EXPECT_EQ(without(events(s, seen), 0x0415), (Codes{0x040C}));
   s.supply_off();
   s.power_on();

@@ -87,7 +87,7 @@ TEST(Rj71Restore, Defaults_RunAfterTheReset_AndTheConciseDcfsGo) {
   IntelligentScenario s(rj71cn91);
   s.power_on_as(2);
   s.set_object(0x1017, 0, 500, 2).store_objects();
-  s.cif({0x0002, 0, 0x1F22, 5, 13, 1, 0, 0x1017, 0x0200, 0, 0x6400, 0x0000}).expect(1000, 0x0003).ignore_tx();
+  EXPECT_EQ(write_concise_dcf(s, 5, write_of_1017(100)), 0U);
   s.advance(5s).ignore_tx();
   s.rx(0x602, {0x23, 0x11, 0x10, 0x01, 'l', 'o', 'a', 'd'}).tx(0x582, {0x60, 0x11, 0x10, 0x01, 0, 0, 0, 0});
   s.expect_object(0x1017, 0, 500, 2);  // until then it works as before
@@ -159,14 +159,14 @@ TEST(Rj71Nmt, WhatKeepsANodeFromOperational) {
   {  // a concise DCF that is not wanted any more writes settings until it is deleted
     IntelligentScenario s(rj71cn91);
     start_as(s, 1, {{0x1F80, 0, 1}, {0x1F81, 5, mandatory}});
-    s.cif({0x0002, 0, 0x1F22, 5, 13, 1, 0, 0x1017, 0x0200, 0, 0x6400, 0x0000})
-        .expect(1000, 0x0003)
-        .ignore_tx();
+    EXPECT_EQ(write_concise_dcf(s, 5, write_of_1017(100)), 0U);
+    s.ignore_tx();
     s.restart();
     boots(s, 5);
     s.tx(0x605, {0x2B, 0x17, 0x10, 0x00, 0x64, 0x00, 0, 0}).rx(0x585, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0});
     s.ignore_tx();
-    s.cif({0x0002, 0, 0x1F22, 5, 1, 0}).expect(1000, 0x0003).advance(5s).ignore_tx();
+    EXPECT_EQ(write_concise_dcf(s, 5, {0}), 0U);
+    s.advance(5s).ignore_tx();
     s.restart();
     boots(s, 5);
     s.tx(0x000, {0x01, 0x05}).no_tx().expect(601, 5);

@@ -76,11 +76,10 @@ TEST(Rj71Parameters, ConciseDcfs_GoTo1F22H_WhenTheSupplyComes) {
   };
   IntelligentScenario s(rj71cn91);
   s.power_on_as(1);
-  s.cif({0x0002, 0, 0x1F22, 5, 13, 1, 0, 0x1017, 0x0200, 0, 0x0700, 0}).expect(1000, 0x0003).advance(5s);
-  s.cif({0x0002, 0, 0x1F22, 6, 13, 1, 0, 0x1017, 0x0200, 0, 0x0800, 0})
-      .expect(1000, 0x0003)
-      .advance(5s)
-      .ignore_tx();
+  EXPECT_EQ(write_concise_dcf(s, 5, write_of_1017(7)), 0U);
+  s.advance(5s);
+  EXPECT_EQ(write_concise_dcf(s, 6, write_of_1017(8)), 0U);
+  s.advance(5s).ignore_tx();
   s.supply_off();
   EXPECT_TRUE(s.plug_in().parameter_concise_dcf(5, file(9)));
   EXPECT_TRUE(s.plug_in().parameter_concise_dcf(127, file(10)));
@@ -97,7 +96,8 @@ TEST(Rj71Parameters, ConciseDcfs_GoTo1F22H_WhenTheSupplyComes) {
   EXPECT_EQ(event_codes(s, seen), (std::vector<std::uint16_t>{0x0415, 0x0400}));
   EXPECT_EQ(s.plug_in().flash_writes(), writes);
   // What a program deletes is back with the supply, not with a restart.
-  s.cif({0x0002, 0, 0x1F22, 127, 1, 0}).expect(1000, 0x0003).advance(5s).ignore_tx();
+  EXPECT_EQ(write_concise_dcf(s, 127, {0}), 0U);
+  s.advance(5s).ignore_tx();
   s.restart();
   holds(s, 127, 0);
   s.supply_off();
@@ -119,10 +119,8 @@ TEST(Rj71Parameters, Wrong_Is2250H) {
   EXPECT_FALSE(s.plug_in().parameter_concise_dcf(62, file(1)));  // 60 nodes
   IntelligentScenario full(rj71cn91);
   full.power_on_as(1);
-  full.cif({0x0002, 0, 0x1F22, 100, 13, 1, 0, 0x1017, 0x0200, 0, 0x0700, 0})
-      .expect(1000, 0x0003)
-      .advance(5s)
-      .ignore_tx();
+  EXPECT_EQ(write_concise_dcf(full, 100, write_of_1017(7)), 0U);
+  full.advance(5s).ignore_tx();
   full.supply_off();
   for (std::uint8_t node = 2; node <= 61; ++node)
     EXPECT_TRUE(full.plug_in().parameter_concise_dcf(node, file(1)));
@@ -187,13 +185,11 @@ TEST(Rj71Configuration, WhileTheFlashIsWritten_1F22HIsRefused) {
   RecordProperty("spec", "RJ71-CM-007");
   IntelligentScenario s(rj71cn91);
   s.power_on_as(1);
-  s.write(22, 1).write(1000, {0x0002, 0, 0x1F22, 5, 13, 1, 0, 0x1017, 0x0200, 0, 0x0700, 0});
-  s.y(0x1F, true).expect_x(0x1F, false);
-  s.y(0x17, true).wait_x(0x17, true).expect_x(0x1F, false).y(0x17, false);
-  s.expect_abort(0x06060000);
+  s.write(22, 1).y(0x1F, true).expect_x(0x1F, false);
+  EXPECT_EQ(write_concise_dcf(s, 5, write_of_1017(7)), 0x06060000U);
   s.rx(0x601, {0x2F, 0x22, 0x1F, 0x05, 0x00, 0, 0, 0}).ignore_tx();
   s.wait_x(0x1F, true).y(0x1F, false);
-  s.cif({0x0002, 0, 0x1F22, 5, 13, 1, 0, 0x1017, 0x0200, 0, 0x0700, 0}).expect(1000, 0x0003).ignore_tx();
+  EXPECT_EQ(write_concise_dcf(s, 5, write_of_1017(7)), 0U);
 }
 
 TEST(Rj71Refresh, ExchangesProcessData_Y1DoesNot) {

@@ -3,6 +3,7 @@
 
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 
+#include "scenarios/me3can1_q/concise_dcf.hpp"
 #include "scenarios/me3can1_q/scenario.hpp"
 
 namespace canopus::scenario::rj71cn91_presets {
@@ -14,10 +15,12 @@ struct PresetObject {
   unsigned length = 4;  ///< bytes
 };
 
-/// An RJ71CN91 with this node-ID and these objects stored; supply on up to its boot-up frame.
-inline void start_as(IntelligentScenario& s, std::uint8_t node_id, const std::vector<PresetObject>& objects,
-                     Where where = Where::current()) {
+/// An RJ71CN91 with this node-ID and these objects stored, and this pause before each command of the start-up (G70, ms);
+/// supply on up to its boot-up frame.
+inline void start_with_delay(IntelligentScenario& s, std::uint16_t delay, std::uint8_t node_id,
+                             const std::vector<PresetObject>& objects, Where where = Where::current()) {
   ASSERT_TRUE(s.plug_in().preset_node_id(node_id));
+  ASSERT_TRUE(s.plug_in().preset_word(70, delay));
   for (const PresetObject& object : objects) {
     EXPECT_EQ(s.plug_in().preset_object(object.index, object.sub,
                                         canopen::little_endian(object.value, object.length)),
@@ -25,6 +28,12 @@ inline void start_as(IntelligentScenario& s, std::uint8_t node_id, const std::ve
         << std::hex << object.index;
   }
   s.supply_on().wait_tx(0x700U + node_id, {0x00}, 20s, where);
+}
+
+/// The same without a pause, so that a test sees at once what a slave's boot leads to.
+inline void start_as(IntelligentScenario& s, std::uint8_t node_id, const std::vector<PresetObject>& objects,
+                     Where where = Where::current()) {
+  start_with_delay(s, 0, node_id, objects, where);
 }
 
 /// The NMT master's questions and a slave's answers.

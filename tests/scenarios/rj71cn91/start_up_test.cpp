@@ -44,13 +44,9 @@ TEST(Rj71StartUp, CommunicationReset_OfAll_OrOneByOneWhereSomeAreKeptAlive) {
   all.tx(0x000, {0x82, 0x00}).no_tx();
   IntelligentScenario single(rj71cn91);
   start_as(single, 1, {{0x1F80, 0, 1}, {0x1F81, 5, optional}, {0x1F81, 6, optional | 0x10}});
-  for (std::uint8_t node = 2; node <= 127; ++node) {
-    if (node != 6) single.tx(0x000, {0x82, node});
-  }
-  single.ignore_tx().advance(1s);
+  single.tx(0x000, {0x82, 0x05}).advance(1s);  // each NMT slave but those; no other node
   for (const can::Frame& frame : single.controller().sent) {
-    EXPECT_FALSE(frame.identifier == 0 && frame.data[0] == 0x82 &&
-                 (frame.data[1] == 0 || frame.data[1] == 6));
+    EXPECT_FALSE(frame.identifier == 0 && frame.data[0] == 0x82);
   }
   single.ignore_tx();
 }
@@ -60,8 +56,7 @@ TEST(Rj71StartUp, G70_IsBetweenTheResetOfAllAndTheStartOfAll) {
   RecordProperty("spec", "RJ71-STARTUP-006 RJ71-STARTUP-015");
   for (const std::uint16_t delay : Words{0, 1, 500, 3000, 65535}) {
     IntelligentScenario s(rj71cn91);
-    ASSERT_TRUE(s.plug_in().preset_word(70, delay));
-    start_as(s, 1, {{0x1F80, 0, 0x03}, {0x1F81, 5, mandatory}});
+    start_with_delay(s, delay, 1, {{0x1F80, 0, 0x03}, {0x1F81, 5, mandatory}});
     s.expect(70, delay).tx(0x000, {0x82, 0x00});
     const can::Time reset = s.now();
     boots(s, 5);
@@ -75,12 +70,12 @@ TEST(Rj71StartUp, StartAll_OnlyWhenAllWereBooted_AndWhereStartingIsAllowed) {
   for (const std::uint32_t start_up : {0x03U, 0x0BU}) {  // all at once; and not started by the master
     for (const bool second_fails : {false, true}) {
       IntelligentScenario s(rj71cn91);
-      start_as(s, 1,
-               {{0x1F80, 0, start_up},
-                {0x1F81, 5, optional},
-                {0x1F81, 6, optional},
-                {0x1F81, 7, optional},
-                {0x1F84, 6, 0x000F0191}});
+      start_with_delay(s, 500, 1,
+                       {{0x1F80, 0, start_up},
+                        {0x1F81, 5, optional},
+                        {0x1F81, 6, optional},
+                        {0x1F81, 7, optional},
+                        {0x1F84, 6, 0x000F0191}});
       s.tx(0x000, {0x82, 0x00});
       boots(s, 5);
       boots(s, 7);
@@ -100,11 +95,33 @@ TEST(Rj71StartUp, StartAll_OnlyWhenAllWereBooted_AndWhereStartingIsAllowed) {
   }
 }
 
+TEST(Rj71StartUp, AbsentOptionalSlave_IsInProgress_AndStartedWhenItComes) {
+  RecordProperty("spec", "RJ71-STARTUP-020");
+  IntelligentScenario s(rj71cn91);
+  start_as(s, 1, {{0x1F80, 0, 0x03}, {0x1F81, 5, mandatory}, {0x1F81, 6, optional}});
+  s.tx(0x000, {0x82, 0x00});
+  boots(s, 5);
+  s.advance(10s).expect_bit(25, 13, false).expect_bit(25, 14, true).expect_bit(406, 4, false).expect(601, 5);
+  unsigned starts = 0, questions = 0;
+  for (const can::Frame& frame : s.controller().sent) {
+    questions += frame.identifier == 0x606 && frame.data[0] == 0x40 ? 1 : 0;
+    if (frame.identifier != 0 || frame.data[0] != 0x01) continue;
+    ++starts;
+    EXPECT_EQ(frame.data[1], 5);  // alone, not all nodes
+  }
+  EXPECT_EQ(starts, 1U);
+  EXPECT_GE(questions, 6U);
+  s.ignore_tx();
+  boots(s, 6);
+  s.tx(0x000, {0x01, 0x06}).expect_bit(25, 13, false).expect_bit(25, 14, false).expect(601, 5).ignore_tx();
+}
+
 /// Slave 5 with heartbeat (500 ms), a concise DCF (1017H = 100) and an identity to check.
 void start_with_everything(IntelligentScenario& s, std::uint32_t assignment) {
   start_as(s, 1, {{0x1F80, 0, 1}, {0x1F81, 5, assignment}, {0x1016, 1, 0x000501F4}, {0x1F84, 5, 0x000F0191}});
   s.tx(0x000, {0x82, 0x00});
-  s.cif({0x0002, 0, 0x1F22, 5, 13, 1, 0, 0x1017, 0x0200, 0, 0x6400, 0x0000}).expect(1000, 0x0003).ignore_tx();
+  EXPECT_EQ(write_concise_dcf(s, 5, write_of_1017(100)), 0U);
+  s.ignore_tx();
   s.restart();
 }
 
@@ -112,7 +129,7 @@ const Bytes write_1017{0x2B, 0x17, 0x10, 0x00, 0x64, 0x00, 0, 0};
 const Bytes written_1017{0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0};
 
 TEST(Rj71StartUp, BootOfASlave_IdentificationThenConfigurationThenErrorControlThenStart) {
-  RecordProperty("spec", "RJ71-STARTUP-007 RJ71-STARTUP-008 RJ71-STARTUP-009 RJ71-CM-001");
+  RecordProperty("spec", "RJ71-STARTUP-007 RJ71-STARTUP-008 RJ71-STARTUP-009 RJ71-STARTUP-021 RJ71-CM-001");
   {  // every step
     IntelligentScenario s(rj71cn91);
     start_with_everything(s, mandatory);
@@ -262,6 +279,19 @@ TEST(Rj71ErrorEvent, StopAll_IsLeftByY2_Or1F82H) {
   }
 }
 
+// The printed third way excludes the master, which then is Stopped and boots nobody.
+TEST(Rj71ErrorEvent, StopAll_IsNotLeftByRequestsExcludingTheMaster) {
+  RecordProperty("spec", "RJ71-ERREV-007");
+  for (const std::uint16_t way : Words{0x86, 0x87}) {
+    IntelligentScenario s(rj71cn91);
+    run_with_slaves(s, 0x41, mandatory);
+    expect_node_lost(s, 1, 5);
+    s.tx(0x000, {0x02, 0x00}).expect(601, 0x04);
+    s.cif({0x0002, 0, 0x1F82, 0x80, 1, way}).expect(1000, 0x0003).ignore_tx();
+    s.rx(0x705, {0x00}).rx(0x706, {0x00}).advance(60s).no_tx().expect(601, 0x04);
+  }
+}
+
 TEST(Rj71FlyingMaster, SlaveSetUp_CountsForWhoIsActive_AndOwnEntryIsIgnored) {
   RecordProperty("spec", "RJ71-FLY-012 RJ71-FLY-008");
   for (const bool claims : {true, false}) {
@@ -302,7 +332,7 @@ TEST(Rj71Configuration, UpToDate_IsNotWrittenAgain) {
     s.power_on_as(1);
     s.set_object(0x1F80, 0, 1, 4).set_object(0x1F81, 127, mandatory, 4);
     s.set_object(0x1F26, 127, date, 4).set_object(0x1F27, 127, time, 4);
-    s.cif({0x0002, 0, 0x1F22, 127, 13, 1, 0, 0x1017, 0x0200, 0, 0x6400, 0x0000}).expect(1000, 0x0003);
+    EXPECT_EQ(write_concise_dcf(s, 127, write_of_1017(100)), 0U);
     s.store_objects();
     s.restart();
     s.rx(0x77F, {0x00}).tx(0x67F, ask_1000).rx(0x5FF, is_0191);
@@ -310,7 +340,7 @@ TEST(Rj71Configuration, UpToDate_IsNotWrittenAgain) {
     if (found_date == date)
       s.tx(0x67F, {0x40, 0x20, 0x10, 0x02, 0, 0, 0, 0}).rx(0x5FF, answer(2, found_time));
     if (found_date != date || found_time != time) s.tx(0x67F, write_1017).rx(0x5FF, written_1017);
-    s.tx(0x000, {0x01, 0x7F}).no_tx().expect(601, 5);
+    s.wait_tx(0x000, {0x01, 0x7F}).no_tx().expect(601, 5);
   }
   // An RJ71CN91 as such a slave: any change of a setting makes its own 1020H 0; it is stored by 1010H.
   IntelligentScenario slave(rj71cn91);

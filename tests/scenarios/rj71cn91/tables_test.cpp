@@ -219,7 +219,9 @@ TEST(Rj71Tables, OfAllCodes_OnlyThoseOfTheMode_AreCommands) {
     for (unsigned number = 0; number <= 0xFFFF; ++number) {
       if (number > 0x100 && number < 0xFF00 && number % 16 != 0) continue;
       const auto code = static_cast<std::uint16_t>(number);
-      s.write(1000, code).y(0x17, true).advance(1ms);
+      Words command(67, 0);
+      command[0] = code;
+      s.write(1000, command).y(0x17, true).advance(1ms);
       ASSERT_TRUE(s.x(0x17)) << std::hex << number;
       s.y(0x17, false);
       const bool unknown = s.read(1000) == 0x000F && s.read(1001) == 0x0064;

@@ -226,7 +226,9 @@ void AsFcopm::transmitted(const can::Frame& frame, can::Time now) {
 }
 
 void AsFcopm::controller_changed(can::Time now) {
-  if (phase_ != Phase::running || controller_.error_state() != can::ErrorState::bus_off) return;
+  if (phase_ != Phase::running) return;
+  look_at_queues();
+  if (controller_.error_state() != can::ErrorState::bus_off) return;
   if (std::exchange(was_bus_off_, true)) return;
   report("the CAN controller is bus-off: the way back is a reboot", now);
   role_->bus_off(now);

@@ -179,6 +179,7 @@ void MasterRole::send_changes(can::Time now) {
 
 void MasterRole::rpdo_received(std::uint16_t number, can::Time now) {
   Received& pdo = received_[number];
+  if (!is_configured(pdo.place.node_id)) return;
   const canopen::ObjectDictionary& objects = node_.dictionary();
   const auto index = static_cast<std::uint16_t>(received_bytes_index + number);
   for (std::size_t i = 0; i < pdo.place.bytes; ++i) {
@@ -194,6 +195,7 @@ void MasterRole::rpdo_received(std::uint16_t number, can::Time now) {
 
 void MasterRole::rpdo_length_wrong(std::uint16_t number, std::uint16_t code, can::Time now) {
   Received& pdo = received_[number];
+  if (!is_configured(pdo.place.node_id)) return;
   pdo.is_wrong = true;
   pdo.taken_longer = code == canopen::emcy_code::pdo_too_long;
   pdo.is_missing = false;

@@ -81,8 +81,12 @@ class MasterRole final : public Role,
   void end_watch(std::uint8_t node_id);
   void look_for_missing(can::Time now);
   void show_pdos_of(std::uint8_t node_id);
+  /// It has what it was to be configured with: what its PDOs carry is what the registers are for.
+  [[nodiscard]] bool is_configured(std::uint8_t node_id) const noexcept {
+    return master_.boot_record(node_id).step == manager::BootStep::booted;
+  }
   [[nodiscard]] bool operates(std::uint8_t node_id) const noexcept {
-    return node_.state() == canopen::NmtState::operational &&
+    return node_.state() == canopen::NmtState::operational && is_configured(node_id) &&
            master_.node_state(node_id) == manager::node_state::operational;
   }
 

@@ -155,6 +155,7 @@ manager::MasterOptions master_options() {
   manager::MasterOptions options = q_iqr::master_options();
   options.commands_show_all_nodes = true;
   options.presence_retry_counts_from_request = true;
+  options.configuration_skips_read_only = true;  // [FX3U-CAN 5.8.13]
   return options;
 }
 

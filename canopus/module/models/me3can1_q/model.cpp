@@ -66,6 +66,13 @@ constexpr EmergencyRows emergencies{
     .node_lost = {emcy_code::node_lost, 0x11},
 };
 
+// [ME3CAN1-Q 4.8.12]
+manager::MasterOptions master_options() {
+  manager::MasterOptions options = q_iqr::master_options();
+  options.configuration_skips_read_only = true;
+  return options;
+}
+
 }  // namespace
 
 constinit const ModuleModel model{
@@ -101,7 +108,7 @@ constinit const ModuleModel model{
     .object_dictionary = object_dictionary,
     .node_id_defaults = q_iqr::set_detect_cycle,
     .node_options = q_iqr::node_options,
-    .master_options = q_iqr::master_options,
+    .master_options = master_options,
     .configuration_options = q_iqr::configuration_options,
     .faulty_mapping_keeps_initializing = true,
     .layer2_deletes_objects = true,

@@ -47,12 +47,12 @@ constexpr std::array errors = std::to_array<ErrorRow>({
     {ModuleError::hardware,           1, false,   true,     false},
     {ModuleError::bus_off,            3, false,   true,     true},
     {ModuleError::flash,              4, false,   true,     true},
-    {ModuleError::save_while_online,  5, true,    true,     true},
+    {ModuleError::save_while_online,  5, false,   true,     true},
     {ModuleError::invalid_value,      6, true,    true,     true},
     {ModuleError::queue_overflow,     8, true,    true,     true},
     {ModuleError::node_failure,      10, false,   false,    true},
     {ModuleError::error_passive,     14, false,   false,    true},
-    {ModuleError::message_slot,      15, true,    true,     true},
+    {ModuleError::message_slot,      15, false,   true,     true},
 });
 // clang-format on
 
@@ -78,13 +78,15 @@ canopen::NodeOptions node_options() {
   return options;
 }
 
-// [RJ71CN91 1.2 NMT slave identification]
+// [RJ71CN91 1.2, 1.8, 1.9, App. 2 G70, G401]
 manager::MasterOptions master_options() {
   manager::MasterOptions options = q_iqr::master_options();
   options.revision_rule = manager::RevisionRule::same_major_newer_minor;
   options.slaves_request_nmt = true;
   options.time_out_ends_activity = true;
   options.heartbeat_state_is_checked = true;
+  options.delay_before_each_command = true;
+  options.resets_slaves_alone = true;
   return options;
 }
 
@@ -115,7 +117,8 @@ constinit const ModuleModel model{
                                       .invalid_address = g::setting_error,
                                       .errors = errors,
                                       .bad_words_are_causes = true,
-                                      .clears_node_failures = true},
+                                      .clears_node_failures = true,
+                                      .overflow_lasts = std::chrono::seconds(1)},
     .exchange_control = ExchangeControlLayout{.address = g::data_exchange_control,
                                               .process_data = 1U << 8,
                                               .emergencies = 1U << 12,
@@ -132,13 +135,15 @@ constinit const ModuleModel model{
     .time_stamp =
         TimeStampLayout{
             .first = g::time_stamp, .first_year = 2000, .role_with_clock = true, .late_time_is_first = true},
-    // [RJ71CN91 1.3, App. 2 CIF] How long a frame may wait is not printed.
+    // [RJ71CN91 1.3, App. 2 CIF, App. 5] How long a frame may wait is not printed.
     .command =
         [] {
           CommandLayout layout = q_iqr::command;
           layout.skips_empty_records = true;
           layout.no_such_node = canopen::AbortCode::command_specifier;
           layout.frame_time_out = std::chrono::seconds(1);
+          layout.is_one_memory = true;
+          layout.object_not_set = 0x1F22;
           return layout;
         }(),
     .layer2 = layer2_layout,
@@ -151,6 +156,7 @@ constinit const ModuleModel model{
                      .remote_frames_have_no_changes = true,
                      .overflow_is_of_new_data = true,
                      .online_applies_bit_rate = true,
+                     .bad_words_keep_offline = true,
                      .offline_is_silent = true,
                      .saves_transmit_slots = true,
                      .rate_of_cycles = g::baud_rate},
@@ -163,6 +169,7 @@ constinit const ModuleModel model{
     .master_options = master_options,
     .configuration_options = q_iqr::configuration_options,
     .takes_parameters = true,
+    .watchdog_error_is_shown = true,
 };
 
 }  // namespace canopus::module::rj71cn91

@@ -135,6 +135,7 @@ class alignas(64) BusPort final : public can::Port {
       } else {
         ++overrun;
         ++counted.receive_overflows;
+        if (participant != nullptr) participant->controller_changed(now);
       }
       return;
     }
