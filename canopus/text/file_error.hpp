@@ -1,5 +1,5 @@
 #pragma once
-// What is wrong with a file that a person wrote: each mistake with its place, collected on the way.
+// Mistakes in a file that a person wrote, each with its place.
 
 #include <cstdint>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace canopus::text {
 
-/// Where something stands in a file; line 0 = nowhere (made up by a default).
+/// A position in a file; line 0 = none (a default value).
 struct Place {
   std::uint32_t line = 0;
   std::uint32_t column = 0;

@@ -16,7 +16,7 @@ namespace canopus::text {
 /// The same as read_file(), but a FIFO or device is read until it ends, too: data that another program gives.
 [[nodiscard]] std::expected<std::string, std::string> read_file_or_pipe(const std::string& path);
 
-/// What comes on the standard input until it ends. The error is the reason alone.
+/// The whole standard input. The error is the reason alone.
 [[nodiscard]] std::expected<std::string, std::string> read_standard_input();
 
 }  // namespace canopus::text

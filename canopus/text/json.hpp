@@ -1,7 +1,7 @@
 #pragma once
-// JSON values: what the program writes for other programs, and what it reads from them. Objects keep their
-// members in the order of insertion. Text is parsed by parse_json(), within limits: what comes from a stranger
-// is of bounded depth, so that whatever walks through a value may call itself.
+// JSON values: written for other programs and read from them. Objects keep their members in the order of
+// insertion. Text is parsed by parse_json(), within limits: the depth of foreign input is bounded, so that
+// functions over a value may recurse.
 
 #include <concepts>
 #include <cstddef>
@@ -144,7 +144,7 @@ class Json {
   /// Its text, on one line without blanks. Octets that are no UTF-8 become U+FFFD, NaN and infinity null.
   [[nodiscard]] std::string dump() const;
 
-  /// Numbers are equal by their value, objects when their members stand in the same order.
+  /// Numbers are equal by their value, objects when their members are in the same order.
   friend bool operator==(const Json& left, const Json& right) { return left.equals(right); }
 
  private:
@@ -237,14 +237,14 @@ class Json::Iterator {
   Member* member_ = nullptr;
 };
 
-/// What a text may be, before it is refused.
+/// Limits of a text; one beyond them is refused.
 struct JsonLimits {
   std::size_t bytes = 16U << 20U;
   std::size_t depth = 64;  ///< arrays and objects within each other
 };
 
-/// The value of a whole text; the error says why there is none. Of members with one key the last value is taken, at
-/// the place of the first.
+/// The value of a whole text; the error gives the reason if there is none. Of members with the same key the
+/// last value counts, at the position of the first.
 [[nodiscard]] std::expected<Json, std::string> parse_json(std::string_view text, JsonLimits limits = {});
 
 }  // namespace canopus::text

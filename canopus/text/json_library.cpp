@@ -1,4 +1,4 @@
-// What nlohmann-json does: it reads text, and chooses the digits of real numbers. This file alone includes it.
+// Functions that use nlohmann-json: parsing, and the digits of real numbers. Only this file includes it.
 
 #include <algorithm>
 #include <numeric>
@@ -44,7 +44,7 @@ class JsonBuilder {
   [[nodiscard]] const std::string& error() const { return error_; }
 
  private:
-  /// Where the next value goes: behind the last element, or into the member whose key has come.
+  /// Where the next value goes: behind the last element, or into the member of the last key read.
   Json& place(Json value) {
     if (open_.empty()) return root_ = std::move(value);
     if (auto* const members = std::get_if<Json::Object>(&open_.back()->value_))

@@ -9,10 +9,10 @@
 namespace canopus::text {
 namespace {
 
-/// What stands for octets that are no UTF-8: U+FFFD.
+/// Replacement for octets that are not UTF-8: U+FFFD.
 constexpr std::string_view replacement = "\xEF\xBF\xBD";
 
-/// How many octets at the beginning are one character, or a beginning of one that goes no further. `text` is not empty.
+/// The number of octets of the first character, or of an incomplete one. `text` is not empty.
 struct Character {
   std::size_t octets = 1;
   bool is_whole = false;

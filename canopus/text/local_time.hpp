@@ -5,11 +5,11 @@
 
 namespace canopus::text {
 
-/// How far the local time is ahead of UTC at a moment, daylight saving time included; by the machine's zone
-/// (TZ, /etc/localtime).
+/// The offset of local time from UTC at a moment, daylight saving time included; by the machine's zone (TZ,
+/// /etc/localtime).
 [[nodiscard]] std::chrono::seconds zone_offset(std::chrono::sys_seconds moment);
 
-/// What a clock on the wall shows at a moment.
+/// The local time at a moment.
 [[nodiscard]] inline std::chrono::local_seconds local_time(
     std::chrono::sys_seconds moment,
     const std::function<std::chrono::seconds(std::chrono::sys_seconds)>& offset = zone_offset) {

@@ -23,7 +23,7 @@ namespace canopus::text {
 
 class Line;
 
-/// What stands in a line for a {}: text, a number, another line. It lasts as long as the call it is made for.
+/// An argument for a {} in a line: text, a number, another line. It lasts as long as the call it is made for.
 class LineArgument {
  public:
   // NOLINTNEXTLINE(google-explicit-constructor): it is made of what print_line() is given.

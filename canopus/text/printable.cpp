@@ -33,7 +33,7 @@ Character first_character(std::string_view text) {
   return {code, size};
 }
 
-/// What a terminal or a person would take for something else than a part of the text.
+/// A character that a terminal or a person would not take as text.
 bool is_control(char32_t code) {
   return code < 0x20 || (code >= 0x7F && code < 0xA0) ||        // C0, DEL, C1
          code == 0x2028 || code == 0x2029 ||                    // line and paragraph separator
@@ -41,7 +41,7 @@ bool is_control(char32_t code) {
          (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
 }
 
-/// How many octets at the beginning stay as they are for certain: characters of ASCII that are no controls.
+/// The number of octets at the beginning that need no escape: printable ASCII characters.
 std::size_t plain_octets(std::string_view text) {
   constexpr std::uint64_t every = 0x0101'0101'0101'0101;  // eight at a time
   std::size_t count = 0;
@@ -65,7 +65,7 @@ std::string escape(char32_t code) {
   return number < 0x80 ? fmt::format("\\x{:02X}", number) : fmt::format("\\u{:04X}", number);
 }
 
-/// Columns as the C library counts them for UTF-8, whatever the user's locale is.
+/// Columns as the C library counts them for UTF-8, independent of the user's locale.
 class Columns {
  public:
   Columns() : locale_(::newlocale(LC_CTYPE_MASK, "C.UTF-8", nullptr)) {}

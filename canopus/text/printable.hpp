@@ -13,13 +13,13 @@ namespace canopus::text {
 /// that is no UTF-8 (`\xE4`). A backslash stays a backslash.
 [[nodiscard]] std::string printable(std::string_view text);
 
-/// A JSON text with C1, DEL, the separators and the controls of bidirectional text as `\u....`: it says the
-/// same to a program and nothing to a terminal.
+/// A JSON text with C1, DEL, the separators and the controls of bidirectional text as `\u....`: the same
+/// value for a program, without control sequences for a terminal.
 [[nodiscard]] std::string printable_json(std::string_view json);
 
-/// How many columns of a terminal printable text takes: two for wide characters, none for combining ones.
+/// The number of terminal columns of printable text: two for wide characters, none for combining ones.
 [[nodiscard]] std::size_t columns_of(std::string_view printable_text);
-/// As much of the beginning of printable text as fits into so many columns.
+/// The longest beginning of printable text that fits into this number of columns.
 [[nodiscard]] std::string_view clipped(std::string_view printable_text, std::size_t columns);
 
 }  // namespace canopus::text

@@ -6,8 +6,8 @@
 
 namespace canopus::text {
 
-/// What is kept of a text from outside: one of more than `most` bytes is cut between two characters of UTF-8, with a mark:
-/// "abc... (cut, 2000000 bytes in all)".
+/// Shortens an external text: one of more than `most` bytes is cut between two characters of UTF-8, with a
+/// mark: "abc... (cut, 2000000 bytes in all)".
 [[nodiscard]] std::string shortened(std::string_view text, std::size_t most);
 
 }  // namespace canopus::text

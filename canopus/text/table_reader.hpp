@@ -151,7 +151,7 @@ class TableReader {
       reader.finish();
     }
   }
-  /// Every element of an array, or the one value that stands in its place.
+  /// Every element of an array, or the single value in place of an array.
   void elements(std::string_view key, const std::function<void(const toml::node&)>& read) {
     const toml::node* node = find(key);
     if (node == nullptr) return;
@@ -161,7 +161,7 @@ class TableReader {
       read(*node);
     }
   }
-  /// Every key and value of a table whose keys are not known beforehand.
+  /// Every key and value of a table with arbitrary keys.
   void entries(std::string_view key,
                const std::function<void(std::string_view, const toml::node&, Place)>& read,
                std::string_view example = "{ \"1017:00\" = 1000 }") {

@@ -1,5 +1,5 @@
 #pragma once
-// How people write durations, objects and buffer-memory addresses, in plant files and on the command line.
+// The notation of durations, objects and buffer-memory addresses, in plant files and on the command line.
 
 #include <cstdint>
 #include <expected>
@@ -10,7 +10,7 @@
 
 namespace canopus::text {
 
-/// "10ms", "1.5s", "2min", "1h", "250us": a number and a unit, nothing negative. The error says what was
+/// "10ms", "1.5s", "2min", "1h", "250us": a number and a unit, not negative. The error names what was
 /// expected.
 [[nodiscard]] std::expected<can::Duration, std::string> parse_duration(std::string_view text);
 

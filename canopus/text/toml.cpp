@@ -8,13 +8,13 @@
 namespace canopus::text {
 namespace {
 
-/// Goes through a text once and counts levels. Up to the first mistake of a text it finds all that the parser finds; what
-/// it says of the rest does not matter, because the parser stops there.
+/// Counts nesting levels in one pass. It agrees with the parser up to the first mistake of a text; its count
+/// behind that does not matter, because the parser stops there.
 class LevelCount {
  public:
   LevelCount(std::string_view text, std::size_t most) : text_(text), most_(most) {}
 
-  /// Where the text goes deeper than allowed.
+  /// The place where the text is nested deeper than allowed.
   std::optional<Place> too_deep() {
     while (position_ < text_.size()) {
       step();

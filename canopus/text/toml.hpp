@@ -1,6 +1,6 @@
 #pragma once
-// The only way from a TOML text to its values. toml++ calls itself for each level of what is nested, dotted keys too, when it
-// builds, changes and deletes a table: what comes from a stranger is of bounded depth and size before it gets there.
+// The only way from a TOML text to its values. toml++ recurses for each level of nesting, dotted keys too,
+// when it builds, changes and deletes a table: so the depth and size of untrusted text are checked before.
 
 #include <expected>
 #include <string_view>
@@ -16,7 +16,7 @@ struct TomlLimits {
   std::size_t bytes = std::size_t{4} << 20;
 };
 
-/// Where a node of the file begins.
+/// The place where a node of the file begins.
 [[nodiscard]] inline Place place_of(const toml::source_region& region) {
   return {static_cast<std::uint32_t>(region.begin.line), static_cast<std::uint32_t>(region.begin.column)};
 }
