@@ -14,9 +14,9 @@ namespace canopus::link {
 /// An address of either kind, an IPv4 one as IPv6 has it (::ffff:192.168.1.7).
 using InternetAddress = std::array<std::uint8_t, 16>;
 
-/// "192.168.1.7", "fd00::7" or "localhost" (127.0.0.1); the error says what was expected.
+/// "192.168.1.7", "fd00::7" or "localhost" (127.0.0.1); the error names what was expected.
 [[nodiscard]] std::expected<InternetAddress, std::string> parse_internet_address(std::string_view text);
-/// 127.0.0.0/8 or ::1: nobody but this machine.
+/// 127.0.0.0/8 or ::1: reachable from this machine only.
 [[nodiscard]] bool is_loopback(const InternetAddress& address) noexcept;
 
 /// The addresses that begin with the same bits.

@@ -1,6 +1,7 @@
 #pragma once
-// What an io_context has ready, in bounded portions. A peer that sends without pause always has the next handler
-// ready: io_context::poll() would then never return, and neither clock nor signals would be read.
+// Runs the ready handlers of an io_context, in bounded portions. A peer that sends without pause always has
+// the next handler ready: io_context::poll() would then never return, and neither clock nor signals would be
+// read.
 
 #include <chrono>
 #include <cstddef>

@@ -18,7 +18,7 @@ constexpr std::uint16_t multicast_port = 43113;
 constexpr std::uint32_t usual_serial_speed = 115200;
 /// IFNAMSIZ - 1.
 constexpr std::size_t longest_interface = 15;
-/// What fits into `< open NAME >` and is taken by servers of other makes.
+/// Longest name for `< open NAME >` that other makes of servers accept.
 constexpr std::size_t longest_bus_name = 64;
 constexpr std::size_t longest_path = 255;
 
@@ -33,7 +33,7 @@ constexpr std::string_view multicast_form =
 constexpr std::string_view cannelloni_form =
     "cannelloni:HOST:PORT, cannelloni:HOST:PORT:OUR-PORT or cannelloni:tcp:HOST:PORT";
 
-/// What can stand as one word inside an element of the protocol.
+/// Whether a name can be one word inside an element of the protocol.
 bool is_word(std::string_view name) {
   return std::ranges::all_of(name, [](char c) { return c > ' ' && c < '\x7f' && c != '<' && c != '>'; });
 }

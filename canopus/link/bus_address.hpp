@@ -1,10 +1,10 @@
 #pragma once
-// How people name a bus that a client is to join:
+// The addresses of buses that a client can join:
 //
 //   socketcand:127.0.0.1:29536/line1    the bus line1 behind a socketcand server (`canopus run` has one per bus)
-//   socketcand:127.0.0.1:29536          the only bus behind that server; servers of other makes want the name
+//   socketcand:127.0.0.1:29536          the only bus behind that server; other makes of servers need the name
 //   socketcan:can0                      a CAN interface of this machine (Linux SocketCAN)
-//   slcan:/dev/ttyACM0@250000           a Lawicel adapter at a serial device, and the bit rate it is to open with
+//   slcan:/dev/ttyACM0@250000           a Lawicel adapter at a serial device, and the bit rate to open it with
 //   slcan:/dev/ttyUSB0,115200@250000    the same with the speed of the serial line (default 115200)
 //   slcan:tcp:192.168.1.9:3333@250000   a Lawicel adapter behind TCP
 //   udp-multicast:239.74.163.2:43113    python-can's virtual bus of a network

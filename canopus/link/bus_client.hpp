@@ -39,18 +39,19 @@ struct IdentifierFilter {
   friend bool operator==(const IdentifierFilter&, const IdentifierFilter&) = default;
 };
 
-/// Hears a bus. May send from inside.
+/// Callbacks of a bus. They may call send().
 class BusClientListener {
  public:
   virtual void frame_received(const can::Frame& frame) = 0;
-  /// The same with the time stamp of the kernel or hardware (since 1970, UTC), where there is one. Who does not
-  /// override it hears frame_received().
+  /// The same with the time stamp of the kernel or hardware (since 1970, UTC), where there is one. By default
+  /// it calls frame_received().
   virtual void frame_received_at(const can::Frame& frame,
                                  std::optional<std::chrono::nanoseconds> /*received_at*/) {
     frame_received(frame);
   }
-  /// A frame that this client sent is complete on the bus (the kernel's echo, slcan's `z`), or, where the transport
-  /// tells nothing of that, was handed to it. In the order of send(), never from inside of it.
+  /// A frame that this client sent is complete on the bus (the kernel's echo, slcan's `z`), or, where the
+  /// transport has no transmit confirmation, was handed to it. In the order of send(), never called inside
+  /// send().
   virtual void frame_sent(const can::Frame& /*frame*/) {}
   /// The same with the time stamp of the echo, as frame_received_at() has it.
   virtual void frame_sent_at(const can::Frame& frame, std::optional<std::chrono::nanoseconds> /*sent_at*/) {
@@ -58,13 +59,13 @@ class BusClientListener {
   }
   /// The controller's state, counters or bit rate changed.
   virtual void controller_changed(const ControllerStatus& /*status*/) {}
-  /// The connection ended and does not come back; a sentence says why.
+  /// The connection ended for good. `reason` is a sentence for the user.
   virtual void bus_lost(const std::string& reason) = 0;
   /// With BusClientOptions::keep_trying, in place of bus_lost(): the bus went away (interface down, adapter
   /// unplugged, connection lost) and is tried again. Frames that waited are dropped. And: it is there again.
   virtual void bus_interrupted(const std::string& /*reason*/) {}
   virtual void bus_resumed() {}
-  /// The other side says that something went wrong, for example that frames were lost. The bus goes on.
+  /// The other side reported a fault, for example lost frames. The bus stays connected.
   virtual void bus_complains(std::string_view /*text*/) {}
 
  protected:
@@ -74,24 +75,25 @@ class BusClientListener {
 class BusClient : public can::Sink {
  public:
   virtual ~BusClient() = default;
-  /// Frames sent by this client itself are not heard. send() is false when 4096 frames wait already, or the
-  /// bus is lost or interrupted.
+  /// The client does not receive its own frames. send() is false when 4096 frames wait already, or the bus is
+  /// lost or interrupted.
   virtual void set_user(BusClientListener* user) = 0;
   /// Ends the connection once everything sent so far is on its way to the bus; runs the io_context until
-  /// then, or for `time_out`. False when it was not done by then. Nothing is heard from now on.
+  /// then, or for `time_out`. False when it was not done by then. No callback comes after this.
   virtual bool close(std::chrono::milliseconds time_out) = 0;
 
   /// Counters are up to 250 ms old (slcan: 1 s); SocketCAN reports changes of the error state at once.
   [[nodiscard]] virtual ControllerStatus status() const { return {}; }
-  /// Starts the controller anew, with this bit rate in bit/s (0: the one it has). The error says what a person can do
-  /// ("ip link set can0 type can bitrate 250000") where the transport or the system does not let us.
+  /// Restarts the controller with this bit rate in bit/s (0: the one it has). The error names a remedy ("ip
+  /// link set can0 type can bitrate 250000") where the transport or the system refuses it.
   virtual std::expected<void, std::string> restart(std::uint32_t bit_rate);
-  /// What became of the last restart(), where the other side answers it; nothing as long as it has not answered.
+  /// The result of the last restart(), where the other side answers it; nothing as long as it has not
+  /// answered.
   [[nodiscard]] virtual std::optional<std::expected<void, std::string>> restarted() const {
     return std::expected<void, std::string>{};
   }
-  /// Only these identifiers are needed, for transports that can leave the others out early; an empty list means all.
-  /// Others may still be heard.
+  /// Only these identifiers are needed, for transports that can leave the others out early; an empty list
+  /// means all. Others may still be received.
   virtual void set_filter(std::span<const IdentifierFilter> /*filters*/) {}
   /// The other side has taken all frames, as far as it can be asked: the first call asks. For those that send no more.
   virtual bool is_flushed() { return true; }
@@ -104,7 +106,7 @@ struct BusClientOptions {
   /// A bus that went away is tried again. It must be there at the opening.
   bool keep_trying = false;
   std::chrono::milliseconds retry{1000};  ///< from a failure to the next try
-  /// bit/s that the controller is to have; 0: the one it has, or that its address names.
+  /// Requested bit rate in bit/s; 0: the present one, or that of its address.
   std::uint32_t bit_rate = 0;
 };
 

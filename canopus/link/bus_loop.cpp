@@ -84,7 +84,7 @@ void BusLoop::bus_complains(std::string_view text) {
 
 BusLoop::End BusLoop::run(const std::function<bool()>& done, can::Time end) {
   while (true) {
-    // What has arrived is heard before anybody's time is said to be over: this process may have slept long.
+    // Received frames are processed before timeouts: this process may have been suspended for long.
     const can::Time time = now();
     if (patient_) patient_->look(elapsed());
     if (io_.stopped()) io_.restart();

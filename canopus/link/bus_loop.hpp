@@ -1,6 +1,6 @@
 #pragma once
-// A place on a bus for programs that live with it: participants in real time, over a bus client. Protocol
-// objects are added and hear every frame; run() lets time pass until a question is answered.
+// Participants in real time, over a bus client. Added protocol objects receive every frame; run() runs the
+// event loop until a request is answered.
 
 #include <chrono>
 #include <cstdint>
@@ -26,18 +26,18 @@ class BusLoop final : public can::Sink, private BusClientListener {
  public:
   enum class Signals : std::uint8_t {
     end_run,     ///< Ctrl-C and SIGTERM
-    left_alone,  ///< they belong to somebody else in this process
+    left_alone,  ///< another component of this process handles them
   };
   /// Joins the bus. The error is a sentence.
   [[nodiscard]] static std::expected<std::unique_ptr<BusLoop>, std::string> open(
       const BusAddress& address, can::Duration time_out, Signals signals = Signals::end_run);
-  /// Leaves the bus; what was sent is given a second to get out.
+  /// Leaves the bus, after at most one second for pending transmissions.
   ~BusLoop();
   BusLoop(const BusLoop&) = delete;
   BusLoop& operator=(const BusLoop&) = delete;
 
   bool send(const can::Frame& frame) override;
-  /// Only these identifiers are needed from now on (BusClient::set_filter); others may still be heard.
+  /// Only these identifiers are needed from now on (BusClient::set_filter); others may still be received.
   void need(std::initializer_list<IdentifierFilter> filters) {
     bus_->set_filter({filters.begin(), filters.size()});
   }
@@ -49,25 +49,25 @@ class BusLoop final : public can::Sink, private BusClientListener {
   }
   /// BusClient::status().
   [[nodiscard]] ControllerStatus status() const { return bus_->status(); }
-  /// Frames that were sent and are not on the bus yet, as far as the transport tells.
+  /// Frames that were sent and are not on the bus yet, as far as the transport confirms them.
   [[nodiscard]] std::size_t under_way() const noexcept { return under_way_; }
   /// BusClient::is_flushed().
   [[nodiscard]] bool is_flushed() { return bus_->is_flushed(); }
-  /// The participant hears the bus and gets its ticks from now on. It outlives the loop or is removed.
+  /// From now on the participant receives frames and ticks. It must outlive the loop or be removed.
   void add(can::Participant& participant);
   void remove(can::Participant& participant);
-  /// The same for one that only hears.
+  /// The same for a receive-only listener.
   void add_listener(can::Listener& listener);
   void remove_listener(can::Listener& listener);
   /// Since the bus was joined.
   [[nodiscard]] can::Time now() const;
-  /// From now on time in which this process stood still does not count (SuspendAwareClock): for those who ask and
-  /// take silence for an answer. Others need the real time.
+  /// From now on time in which this process stood still does not count (SuspendAwareClock): for request
+  /// timeouts, which take silence for an answer. Other timers need real time.
   void extend_timeouts();
 
   /// For servers that share the loop; they live while it runs.
   [[nodiscard]] boost::asio::io_context& io() noexcept { return io_; }
-  /// Called when the controller's state or counters changed, where the transport tells.
+  /// Called when the controller's state or counters changed, where the transport reports them.
   void set_status_listener(std::function<void(const ControllerStatus&)> listener) {
     status_listener_ = std::move(listener);
   }
@@ -76,13 +76,13 @@ class BusLoop final : public can::Sink, private BusClientListener {
     done,
     time_over,
     interrupted,  ///< Ctrl-C or SIGTERM
-    lost,         ///< the bus; failure() says why
+    lost,         ///< the bus; failure() has the reason
   };
   /// Runs until `done()`, which is asked after everything that happened, or until `end`.
   End run(const std::function<bool()>& done, can::Time end = can::never);
   /// Why the bus was lost.
   [[nodiscard]] const std::string& failure() const noexcept { return failure_; }
-  /// Called with what a server of the bus complains of; its own words, not to be printed as they are.
+  /// Called with an error text of the bus's server; it may have unprintable characters.
   void set_complaint(std::function<void(std::string_view)> complaint) { complaint_ = std::move(complaint); }
 
  private:

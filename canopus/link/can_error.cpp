@@ -17,7 +17,7 @@ std::string_view describe_error_frame(std::uint32_t error_class,
   if ((error_class & CAN_ERR_ACK) != 0 || in_acknowledgement_slot)
     return "nobody acknowledges: no other node on this bus";
   if ((error_class & CAN_ERR_BUSOFF) != 0) return "the controller of this machine is bus-off";
-  // What a lone controller comes to, where its driver does not report single errors.
+  // The state of a controller alone on its bus, if its driver does not report single errors.
   if ((error_class & CAN_ERR_CRTL) != 0 && (byte(1) & CAN_ERR_CRTL_TX_PASSIVE) != 0)
     return "the controller of this machine is error passive: nobody acknowledges its frames (no other node "
            "on "

@@ -19,7 +19,7 @@ std::optional<std::string> ComplaintLimiter::complain(std::string_view text, Tim
     ++waiting_;
     return std::nullopt;
   }
-  if (waiting_ > 0) {  // nobody came at the deadline
+  if (waiting_ > 0) {  // tick() was not called at the deadline
     last_ = printable_complaint(text);
     ++waiting_;
     return tick(now);

@@ -1,5 +1,6 @@
 #pragma once
-// How much a peer's mistakes may say: one complaint a second, and how many there were besides. Without any I/O and clock.
+// Limits the reports of a peer's mistakes to one a second, with the number of suppressed ones. No I/O, no
+// clock.
 
 #include <chrono>
 #include <cstddef>
@@ -17,17 +18,18 @@ class ComplaintLimiter {
   static constexpr Time pause = std::chrono::seconds(1);  ///< from one complaint to the next
   static constexpr std::size_t longest = 200;             ///< bytes of a complaint; the rest is cut off
 
-  /// What is to be said at once, if anything.
+  /// The text to report at once, if any.
   [[nodiscard]] std::optional<std::string> complain(std::string_view text, Time now);
-  /// When tick() has something to say; none: nothing waits.
+  /// When tick() has a text; none: nothing waits.
   [[nodiscard]] std::optional<Time> deadline() const noexcept;
-  /// What waited, once its time has come: the last complaint, and "N more like it" if there were others before it.
+  /// The waiting text once it is due: the last complaint, and "N more like it" if there were others before
+  /// it.
   [[nodiscard]] std::optional<std::string> tick(Time now);
-  /// The same, whatever the time is: nothing comes behind it.
+  /// The same regardless of the time: no complaint comes after it.
   [[nodiscard]] std::optional<std::string> finish();
 
  private:
-  std::optional<Time> quiet_until_;  // none: nothing was said yet
+  std::optional<Time> quiet_until_;  // none: no report yet
   std::string last_;                 // of those that wait
   std::uint64_t waiting_ = 0;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// What a transport tells of the CAN controller behind it.
+// Status of the CAN controller behind a transport.
 
 #include <cstdint>
 
@@ -7,14 +7,14 @@
 
 namespace canopus::link {
 
-/// What is known of the controller behind a bus client.
+/// The known state of the controller behind a bus client.
 struct ControllerStatus {
   can::ErrorState state = can::ErrorState::error_active;
   std::uint16_t transmit_errors = 0;  ///< TEC
   std::uint16_t receive_errors = 0;   ///< REC
   std::uint32_t bit_rate = 0;         ///< bit/s, 0: not known
   std::uint16_t sample_point = 0;     ///< per mille of a bit, 0: not known
-  bool counters_known = false;        ///< false: the transport does not tell TEC and REC
+  bool counters_known = false;        ///< false: the transport does not supply TEC and REC
 
   friend bool operator==(const ControllerStatus&, const ControllerStatus&) = default;
 };

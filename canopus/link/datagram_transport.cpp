@@ -34,7 +34,7 @@ void DatagramTransport::read() {
       reading_place_([self = self(this), generation = generation_](const error_code& failure,
                                                                    std::size_t size) {
         if (generation != self->generation_) return;
-        // Refused: nobody listens there yet, as the answer to a datagram of ours says.
+        // ICMP port unreachable for a datagram of ours: no receiver there yet.
         if (failure && failure != asio::error::connection_refused && failure != asio::error::message_size) {
           return self->failed(failure.message());
         }

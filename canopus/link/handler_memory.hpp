@@ -32,7 +32,8 @@ class HandlerMemory {
   bool in_use_ = false;
 };
 
-/// The memory may outlive whoever began the operation: a handler that is never called is destroyed with its io_context.
+/// The memory may outlive the object that began the operation: a handler that is never called is destroyed
+/// with its io_context.
 template <typename T>
 class HandlerAllocator {
  public:

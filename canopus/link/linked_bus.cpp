@@ -16,7 +16,7 @@ constexpr std::size_t default_queue_capacity = 128;
 constexpr std::size_t max_queue_capacity = 65'535;
 /// No frame waits longer in the kernel than this.
 constexpr can::Duration oldest_stamp = 10s;
-/// A transport whose queue is full is asked again after this.
+/// Retry interval while the transport's queue is full.
 constexpr can::Duration again_after = 1ms;
 /// Recessive bits that a controller waits for after bus-off [ISO 11898-1 12.1.4].
 constexpr unsigned recovery_bits = 128 * 11;
@@ -211,8 +211,8 @@ void LinkedBus::frame_received_at(const can::Frame& frame, Stamp received_at) {
   leave();
 }
 
-/// A stamp is as long ago as the wall clock says. Too long ago, or later than now: the clock of a controller runs by itself, or
-/// the machine's was set.
+/// Converts a stamp by its age against the wall clock. An age that is negative or too large means that the
+/// controller's clock is not synchronized or that the machine's clock was set.
 can::Time LinkedBus::time_of(Stamp stamp, can::Time now) const {
   if (!stamp) return now;
   const auto wall = wall_clock_ ? wall_clock_() : std::chrono::system_clock::now().time_since_epoch();
@@ -221,7 +221,7 @@ can::Time LinkedBus::time_of(Stamp stamp, can::Time now) const {
   return std::clamp(now - age, std::min(stamp_, now), now);
 }
 
-/// A frame is whole on the bus: everybody of the plant who is there hears it.
+/// The bus transmitted a frame: all active ports of the plant receive it.
 void LinkedBus::completed(const can::Frame& frame, LinkedPort* sender, can::Time now, Stamp stamp) {
   stamp_ = time_of(stamp, now);
   const unsigned bits = can::frame_bits(frame) + can::intermission_bits;
@@ -244,7 +244,7 @@ void LinkedBus::completed(const can::Frame& frame, LinkedPort* sender, can::Time
   }
 }
 
-/// What this port gave to the transport is nobody's from now on.
+/// Frames that this port gave to the transport have no sender from now on.
 void LinkedBus::forget(LinkedPort& port) noexcept {
   for (UnderWay& entry : under_way_) {
     if (entry.port == &port) entry.port = nullptr;
@@ -265,7 +265,7 @@ void LinkedBus::want_bit_rate(LinkedPort& port, std::uint32_t bit_rate) {
   port.bit_rate_ = bit_rate;
   const std::uint32_t present = status_.bit_rate;
   const bool had_other_rate = std::exchange(port.has_other_rate_, false);
-  if (present == 0 || present == bit_rate) {  // 0: the transport has none, or does not tell
+  if (present == 0 || present == bit_rate) {  // 0: the transport has none, or does not report it
     if (status_.state == can::ErrorState::bus_off) want_recovery();
     return;
   }

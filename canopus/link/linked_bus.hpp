@@ -1,7 +1,8 @@
 #pragma once
-// A bus of this machine's hardware, or of another program, under the soft modules of a plant. The controllers of all nodes of
-// the plant share one place on it: what one of them sends, the others of the plant hear when the transport
-// says that it is on the bus. Bit rate, error state and counters are those of the hardware, as far as the transport tells.
+// A bus of this machine's hardware, or of another program, under the soft modules of a plant. The controllers
+// of all nodes of the plant share one connection to it: the other nodes of the plant receive a frame when the
+// transport confirms that it is on the bus. Bit rate, error state and counters are those of the hardware, as
+// far as the transport reports them.
 
 #include <array>
 #include <chrono>
@@ -25,7 +26,7 @@ namespace canopus::link {
 
 class LinkedBus;
 
-/// The controller of one node of the plant, as that node sees it. What the hardware has once, all ports show.
+/// The controller of one node of the plant. All ports share the state of the one hardware controller.
 class LinkedPort final : public can::Port {
  public:
   LinkedPort(LinkedBus& bus, std::string name);
@@ -71,25 +72,25 @@ class LinkedPort final : public can::Port {
   bool plugged_ = true;
   bool listen_only_ = false;
   bool automatic_recovery_ = true;
-  bool has_other_rate_ = false;  // than the bus: hears and sends nothing
+  bool has_other_rate_ = false;  // than the bus: receives and sends nothing
 };
 
 class LinkedBus final : public can::Bus, public can::Ticker, private BusClientListener {
  public:
-  /// Hears what a person should know of this bus.
+  /// Called with a message about this bus for the user.
   using Report = std::function<void(std::string_view text, can::Time now)>;
 
-  /// bit_rate in bit/s: what the nodes are meant to have. Adds itself to the timeline, which must outlive the bus.
+  /// bit_rate in bit/s: the nodes' bit rate. Adds itself to the timeline, which must outlive the bus.
   LinkedBus(std::string name, std::uint32_t bit_rate, can::Timeline& timeline,
             std::unique_ptr<BusClient> client);
   ~LinkedBus() override;
   LinkedBus(const LinkedBus&) = delete;
   LinkedBus& operator=(const LinkedBus&) = delete;
 
-  /// From now on frames are heard and sent. The clock brings the timeline up to the moment of a frame; null: the
-  /// transport lives in the timeline itself.
+  /// From now on frames are received and sent. The clock brings the timeline up to the moment of a frame;
+  /// null: the transport runs in the timeline itself.
   void start(LoopClock* clock, Report report);
-  /// Gives what was sent `time_out` to get out; nothing is heard any more. False: not all of it got out.
+  /// Waits up to `time_out` for pending transmissions; nothing is received any more. False: frames were left.
   bool close(std::chrono::milliseconds time_out);
 
   [[nodiscard]] const std::string& name() const noexcept override { return name_; }
@@ -103,21 +104,23 @@ class LinkedBus final : public can::Bus, public can::Ticker, private BusClientLi
   [[nodiscard]] std::uint64_t frames_of(std::uint32_t identifier, bool extended) const override {
     return statistics_.frames_of(identifier, extended);
   }
-  /// For an observer that is told of a frame: when the frame was complete by the time stamp of the kernel or the hardware, or
-  /// the present moment where there is none. Not before the frame before it, not after now.
+  /// For an observer inside its frame callback: when the frame was complete by the time stamp of the kernel
+  /// or the hardware, or the present moment where there is none. Not before the frame before it, not after
+  /// now.
   [[nodiscard]] can::Time stamp() const noexcept { return stamp_; }
-  /// Who says what time it is since 1970 (UTC), for a test.
+  /// A source of the time since 1970 (UTC), for a test.
   using WallClock = std::function<std::chrono::nanoseconds()>;
   void set_wall_clock(WallClock clock) { wall_clock_ = std::move(clock); }
-  /// The hardware's, as told last.
+  /// The hardware's last reported status.
   [[nodiscard]] const ControllerStatus& status() const noexcept { return status_; }
 
   void tick(can::Time now) override;
 
  private:
   friend class LinkedPort;
-  /// So many frames are with the transport at most. What waits here can still be overtaken or taken back, as in a
-  /// controller; too few would leave gaps between the frames. A transport that never reports frame_sent() gets no more than these.
+  /// Most frames in the transport at a time. Frames that wait here can still be overtaken or taken back, as
+  /// in a controller; too few would leave gaps between the frames. A transport that never reports
+  /// frame_sent() gets no more than these.
   static constexpr std::size_t window = 4;
   struct UnderWay {
     LinkedPort* port = nullptr;  // null: its node was restarted or switched off meanwhile

@@ -1,6 +1,6 @@
 #pragma once
-// What a server needs of the event loop that owns the bus it serves: what time it is on that bus, and a way
-// to say that something happened there outside the bus's own schedule.
+// The interface of a server to the event loop that owns its bus: the time on that bus, and a notification of
+// events outside the bus's own schedule.
 
 #include "canopus/can/time.hpp"
 
@@ -9,12 +9,12 @@ namespace canopus::link {
 class LoopClock {
  public:
   /// The present moment. The loop brings the bus up to it before it answers, so a frame sent next enters the
-  /// bus at this time and not at the time of the bus's last event. Not to be called from a bus callback.
+  /// bus at this time and not at the time of the bus's last event. Must not be called from a bus callback.
   virtual can::Time now() = 0;
-  /// A frame was queued or a deadline changed: the loop asks the timeline anew how long it may sleep.
+  /// A frame was queued or a deadline changed: the loop reads the next deadline of the timeline again.
   virtual void touched() = 0;
-  /// After now() and an access that may have done so, by who has got his answer and waits for nothing that comes of it: a
-  /// loop that has many of them a second need not become more punctual for them.
+  /// Call it after now() and such an access when the client already has its answer and waits for no
+  /// consequence: with many of these a second the loop's timer need not be more exact.
   virtual void accessed() { touched(); }
 
  protected:

@@ -13,7 +13,7 @@
 
 namespace canopus::link {
 
-/// Hears what a person should know of the clients, as a sentence that begins with the client's address.
+/// Called with a message about a client for the user: a sentence that begins with the client's address.
 using ClientReport = std::function<void(std::string_view sentence)>;
 
 [[nodiscard]] inline InternetAddress internet_address(const boost::asio::ip::address& address) {

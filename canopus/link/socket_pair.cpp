@@ -51,7 +51,7 @@ class PairTransport final : public Transport {
       const can::Frame frame = queue().front();
       if (::send(socket_.native_handle(), &frame, sizeof frame, MSG_DONTWAIT | MSG_NOSIGNAL) !=
           sizeof frame) {
-        if (errno == EAGAIN) return;  // nobody reads there; the next frame tries again
+        if (errno == EAGAIN) return;  // the peer does not read; the next frame tries again
         return fail_later(std::strerror(errno));
       }
       queue().pop_front();

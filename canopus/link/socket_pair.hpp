@@ -12,7 +12,8 @@
 
 namespace canopus::link {
 
-/// What one end sends the other receives, through the kernel. Each end lives on the thread of its own io_context.
+/// Frames that one end sends the other receives, through the kernel. Each end runs on the thread of its own
+/// io_context.
 [[nodiscard]] std::expected<std::pair<std::unique_ptr<BusClient>, std::unique_ptr<BusClient>>, std::string>
 open_socket_pair(boost::asio::io_context& one, boost::asio::io_context& other);
 

@@ -26,7 +26,7 @@ class SocketcandTransport final : public StreamTransport, private SocketcandDial
     if (StreamTransport::finished()) shut_down_writing();
   }
   bool finished() const override { return false; }
-  // The server reads no further than the bus takes frames; its answer says that it has come so far.
+  // The server reads only as far as the bus accepts frames; its answer confirms that it has read this far.
   bool is_flushed() override {
     if (flush_ == Flush::none && StreamTransport::finished()) {
       flush_ = Flush::asked;

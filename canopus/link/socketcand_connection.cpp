@@ -14,7 +14,7 @@ using boost::system::error_code;
 
 namespace {
 
-/// The other side has closed the connection or its end has come, whatever there still is to be read.
+/// The other side has closed the connection or its end was received, even if data is still unread.
 bool is_closed_by_peer(tcp::socket& socket) {
   pollfd state{socket.native_handle(), POLLRDHUP, 0};
   return ::poll(&state, 1, 0) > 0 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
@@ -56,7 +56,7 @@ void SocketcandServer::Client::client_is_gone(can::Time now) {
   close_at_.bring_forward(can::later(now, server_->limits.linger));
 }
 
-/// What the session made of its input decides what the connection does next.
+/// The session's new state after input determines the connection's next action.
 void SocketcandServer::Client::after_input(SocketcandSession::State before, can::Time now) {
   using State = SocketcandSession::State;
   if (before != State::raw && session_.state() == State::raw) {
@@ -76,7 +76,7 @@ void SocketcandServer::Client::after_input(SocketcandSession::State before, can:
 }
 
 void SocketcandServer::Client::receive(const can::Frame& frame, can::Time now) {
-  // Remote frames are not passed on: the protocol's raw mode has no word for them that clients know.
+  // Remote frames are not passed on: the protocol's raw mode has no element for them that clients support.
   if (server_ == nullptr || ending() || session_.state() != SocketcandSession::State::raw || frame.remote) {
     return;
   }
@@ -186,7 +186,7 @@ void SocketcandServer::Client::judge_reading() {
 void SocketcandServer::Client::message(std::string_view text) {
   if (gone_) return;
   Message* slot = claim_slot(0);
-  if (slot == nullptr) return leave_later();  // cannot be, see reserved_for_answers
+  if (slot == nullptr) return leave_later();  // unreachable, see reserved_for_answers
   text = text.substr(0, slot->text.size());
   std::ranges::copy(text, slot->text.begin());
   slot->length = static_cast<std::uint8_t>(text.size());
@@ -222,8 +222,9 @@ void SocketcandServer::Client::on_written(const error_code& failure) {
   if (ending()) end_soon();
 }
 
-/// Once everything is out that was to go out: leaves when the client has closed, else says that nothing more
-/// comes and reads on until it closes too. Closing over unread input would take back the last message.
+/// Called when all pending output is sent: disconnects if the client has closed; otherwise shuts down the
+/// send direction and reads until the client closes too. Closing with unread input would reset the connection
+/// and lose the last message.
 void SocketcandServer::Client::end_soon() {
   if (queued_ > 0 || on_the_way_ > 0 || leaving_) return;
   if (gone_) {

@@ -18,7 +18,7 @@
 
 namespace canopus::link {
 
-/// What the server and the handlers under way have in common.
+/// State shared by the server and pending handlers.
 struct SocketcandServer::Shared : std::enable_shared_from_this<Shared> {
   Shared(boost::asio::io_context& context, boost::asio::ip::tcp::endpoint local, std::string name,
          AttachToBus attach_to_bus, LoopClock& loop, SocketcandLimits given, ClientReport to_report)
@@ -104,12 +104,12 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   static constexpr std::size_t read_size = 1024;
   static constexpr std::size_t most_answers = (read_size + socketcand_max_element) / 3 + 1;
   /// Slots that frames leave free, so that answers always find one; input is only read while most_answers of
-  /// them are free, so a client that asks and never reads is slowed down by TCP.
+  /// them are free, so TCP slows down a client that sends requests and never reads.
   static constexpr std::size_t reserved_for_answers = 512;
   static_assert(most_answers < reserved_for_answers);
-  /// How often a client that is not read, because the bus is full, is looked at.
+  /// Poll interval of a client that is not read because the bus is full.
   static constexpr can::Duration look_interval = std::chrono::milliseconds(20);
-  /// What is read at most of the input that a client left behind, to count its frames.
+  /// Most bytes of a disconnected client's input that are read to count its frames.
   static constexpr std::size_t most_counted = 256 * 1024;
 
   // can::Sink, for the session
@@ -132,7 +132,7 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   [[nodiscard]] std::uint64_t drop_input();
   void end_soon();
   void leave_later();
-  /// The client hears nothing any more.
+  /// The client gets no frames any more.
   [[nodiscard]] bool ending() const {
     return gone_ || leaving_ || session_.state() == SocketcandSession::State::closed;
   }
@@ -158,8 +158,8 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   boost::asio::steady_timer stall_;  // runs while it is judged whether the client reads at all
   std::uint32_t on_the_way_ = 0;     // frames given to the bus and not yet transmitted
   can::Alarm hold_until_;            // frames wait for this moment when it is not never
-  can::Alarm close_at_;              // when to close whatever is still unsent
-  can::Alarm look_at_;               // when to look after a client that waits for the bus
+  can::Alarm close_at_;              // when to close with unsent output
+  can::Alarm look_at_;               // next poll of a client that waits for the bus
   can::Time progress_at_{};          // when the bus took a frame last, or waiting began
 };
 

@@ -16,7 +16,7 @@ namespace {
 /// No element of a server is longer; more without an end is no socketcand server.
 constexpr std::size_t longest_element = 512;
 
-/// What of the server's bytes can be shown to a person.
+/// The printable characters of the server's bytes.
 std::string printable(std::string_view text) {
   std::string shown(text.substr(0, 40));
   for (char& c : shown) {

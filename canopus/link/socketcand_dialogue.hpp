@@ -1,6 +1,6 @@
 #pragma once
 // The client's side of a socketcand conversation (socketcand_session.hpp shows both), without the socket:
-// waits for `< hi >`, opens the bus, enters raw mode, and from then on reads frames. Frames to be sent are
+// waits for `< hi >`, opens the bus, enters raw mode, and from then on reads frames. Frames to send are
 // elements of their own, write_socketcand_send().
 
 #include <cstddef>
@@ -24,10 +24,10 @@ class SocketcandDialogue {
  public:
   class Peer {
    public:
-    /// To be sent to the server as it is.
+    /// Sends this text to the server unchanged.
     virtual void message(std::string_view text) = 0;
     virtual void frame_received(const can::Frame& frame) = 0;
-    /// The server says that something is wrong (frames were lost, a frame was refused); the connection stays.
+    /// The server reported an error (frames were lost, a frame was refused); the connection stays.
     virtual void complaint(std::string_view text) = 0;
     /// An error frame of the server's CAN interface, of which its class is known (can_error.hpp).
     virtual void controller_error(std::uint32_t /*error_class*/) {}
@@ -46,14 +46,14 @@ class SocketcandDialogue {
     opening,       ///< asked for the bus
     entering_raw,  ///< asked for its frames
     raw,           ///< frames come and go
-    failed,        ///< error() says why; the connection is to be closed
+    failed,        ///< error() has the reason; the caller closes the connection
   };
 
-  /// An empty name asks for the only bus of the server, which servers of other makes refuse.
+  /// An empty name opens the only bus of the server, which servers of other makes refuse.
   SocketcandDialogue(std::string bus_name, Peer& peer);
 
-  /// Asks for another bit rate of our controller, bit/s, once raw; the answer comes to the peer. The protocol has it,
-  /// servers of other makes mostly do not [socketcand doc/protocol.md, "to be implemented"].
+  /// Requests another bit rate of our controller, bit/s, in raw mode; the answer comes to the peer. The
+  /// protocol has it, servers of other makes mostly do not [socketcand doc/protocol.md, "to be implemented"].
   void ask_bit_rate(std::uint32_t bit_rate);
 
   /// Bytes came from the server, cut anywhere.

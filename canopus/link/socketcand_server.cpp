@@ -17,8 +17,8 @@ using boost::system::error_code;
 
 namespace {
 
-/// Little is to wait in the system between a client and this server: a client that is faster than the bus
-/// shall feel it, and what one that left has sent shall not keep the bus busy. Connections inherit both: the
+/// Small socket buffers between a client and this server: TCP slows down a client that is faster than the
+/// bus, and unsent frames of a disconnected client occupy the bus only shortly. Connections inherit both: the
 /// window they offer to the client, and the segment size, by which the client's side measures what it
 /// gathers. About 80 KiB instead of 4 MiB.
 void keep_little(tcp::acceptor& acceptor) {

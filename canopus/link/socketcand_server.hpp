@@ -1,14 +1,14 @@
 #pragma once
-// Opens a bus to other processes: a TCP server that speaks socketcand (see socketcand_session.hpp) to several
-// clients. Each client is a node of its own on the bus, so its frames go through arbitration, and it hears
-// the other clients' frames but not its own.
+// Opens a bus to other processes: a TCP server for the socketcand protocol (see socketcand_session.hpp) to
+// several clients. Each client is a node of its own on the bus, so its frames go through arbitration, and it
+// receives the other clients' frames but not its own.
 //
 // A client that does not read cannot hold up the bus: its messages wait in a queue of fixed size, frames that
 // find it full are lost and counted, the client gets their number when there is room again, and too many cost
-// it the connection. A client that sends faster than the bus is not read until the bus has room, and the
-// system keeps little for it, so it feels soon that the bus is slower. What a client leaves behind when its
-// connection ends is still sent for `linger`; then it is dropped, and a report says how many frames. Frames
-// are dropped as well while the bus takes none at all for `patience`, and the client gets a message.
+// it the connection. A client that sends faster than the bus is not read until the bus has room; the socket
+// buffers are small, so that TCP flow control slows it down early. What a client leaves behind when its
+// connection ends is still sent for `linger`; then it is dropped, and the number of frames is reported.
+// Frames are dropped as well while the bus takes none at all for `patience`, and the client gets a message.
 //
 // Everything runs on the thread of the io_context, which is the thread of the bus.
 
@@ -36,16 +36,15 @@ namespace canopus::link {
 class BusAttachment : public can::Sink {
  public:
   virtual ~BusAttachment() = default;
-  /// The client's controller starts anew at this bit rate, bit/s; frames it has queued are gone. False: a bus where
-  /// clients cannot do that.
+  /// The client's controller restarts at this bit rate, bit/s; its queued frames are discarded. False: a bus
+  /// where clients cannot do that.
   virtual bool restart(std::uint32_t /*bit_rate*/) { return false; }
 };
 
 /// A client as the bus has it.
 class AttachedClient : public can::Participant {
  public:
-  /// Nobody acknowledges what the client sends: no other node is on the bus. Called once for as long as that
-  /// lasts.
+  /// No acknowledge for the client's frames: no other node is on the bus. Called once while this lasts.
   virtual void unacknowledged(can::Time now) = 0;
   /// The client's controller found an error, or came to another state: class of the SocketCAN error frame.
   virtual void controller_error(std::uint32_t error_class, can::Time now) = 0;
@@ -55,22 +54,22 @@ class AttachedClient : public can::Participant {
 using AttachToBus = std::function<std::unique_ptr<BusAttachment>(AttachedClient& client)>;
 
 struct SocketcandLimits {
-  AllowList allowed{};  ///< who may connect
-  /// Of this machine no other user's processes; IPv4 alone.
+  AllowList allowed{};  ///< clients that may connect
+  /// From this machine only processes of the same user; IPv4 only.
   bool own_user_alone = false;
   std::size_t clients = 32;  ///< connections at a time; one more gets a message and is closed
   std::size_t queue = 2048;  ///< messages that wait for one client's socket, at least 1024
   /// Frames in a row lost to a full queue from which on a client is closed that takes nothing for `stall`.
   std::uint64_t lost_frames = 8192;
   std::chrono::milliseconds stall{2000};  ///< real time
-  /// Run time between the answer to `rawmode` and the first frame: the python-can client takes whatever one
+  /// Run time between the answer to `rawmode` and the first frame: the python-can client takes all that one
   /// recv() returns for the answer, so nothing may follow it closely.
   can::Duration settle = std::chrono::milliseconds(20);
   /// Run time that a closed connection may take to get its last messages and frames out. The frames that are
   /// left then are dropped.
   can::Duration linger = std::chrono::seconds(1);
   /// Run time without any of its frames sent after which a client that is faster than the bus waits no more:
-  /// nobody acknowledges, or others leave no gap. Its frames are dropped then, as by a real CAN interface.
+  /// no acknowledge, or others leave no gap. Its frames are dropped then, as by a real CAN interface.
   can::Duration patience = std::chrono::seconds(1);
 };
 
@@ -104,7 +103,7 @@ class SocketcandServer {
   /// Messages that wait for the slowest client's socket. When its queue is full (SocketcandLimits::queue), frames are
   /// lost: a plant in virtual time can wait for its clients instead.
   [[nodiscard]] std::size_t waiting_messages() const noexcept;
-  /// Ends all connections and takes the clients off the bus. Not to be called from a bus callback.
+  /// Ends all connections and takes the clients off the bus. Must not be called from a bus callback.
   void close();
 
  private:

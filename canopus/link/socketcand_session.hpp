@@ -11,22 +11,21 @@
 //                     < sendrtr 705 1 >                                 a remote frame
 //                     < echo >                                < echo >
 //                     < bcmmode >                             < ok >    frames stop
-//                     < line1 B 250000 >                      < ok >    its controller starts anew at another bit rate,
+//                     < line1 B 250000 >                      < ok >    its controller restarts at another bit rate,
 //                                                                       where the bus is a simulated one; what it has
 //                                                                       sent and is not on the bus is gone
 //   < error 288 12.000345 >                                             the class of an error frame: what its
 //                                                                       controller found, or its new state
-//   < error 020 12.000345 >                                             nobody acknowledges this client's
+//   < error 020 12.000345 >                                             no acknowledge for this client's
 //                                                                       frames: once for as long as it lasts
 //
 // `< open >` without a name opens the bus as well: a server has only one. Other servers refuse that. Likewise
 // `< B 250000 >`.
 //
 // What is not understood gets `< error ... >`; after garbage outside of elements, or an element without end,
-// the connection is closed. As in socketcand's raw mode a client does not hear the frames it sent itself,
+// the connection is closed. As in socketcand's raw mode a client does not receive the frames it sent itself,
 // and remote frames are not passed on to it. The broadcast manager commands (add, update, subscribe, filter)
-// and ISO-TP mode are not offered.
-// [socketcand doc/protocol.md]
+// and ISO-TP mode are not offered. [socketcand doc/protocol.md]
 
 #include <cstddef>
 #include <cstdint>
@@ -57,13 +56,13 @@ std::size_t write_socketcand_error(std::span<char, socketcand_max_message> out, 
 
 class SocketcandSession {
  public:
-  /// The connection, as its session sees it.
+  /// The session's interface to its connection.
   class Peer {
    public:
     /// Sends a message of at most socketcand_max_message characters. Some clients compare the answer of one
     /// recv() with the whole message: each goes out as a segment of its own.
     virtual void message(std::string_view text) = 0;
-    /// The client's controller starts anew at this bit rate (can::bit_rates). False: it is not set from here.
+    /// The client's controller restarts at this bit rate (can::bit_rates). False: the client cannot set it.
     virtual bool restart(std::uint32_t /*bit_rate*/) { return false; }
 
    protected:
@@ -72,23 +71,23 @@ class SocketcandSession {
 
   enum class State : std::uint8_t {
     no_bus,   ///< greeted, waits for `open`
-    quiet,    ///< bus open, frames of the bus are not wanted
-    raw,      ///< every frame of the bus is wanted
-    closed,   ///< the connection is to be closed once the messages so far are sent
+    quiet,    ///< bus open, frames are not forwarded to the client
+    raw,      ///< every frame of the bus is forwarded to the client
+    closed,   ///< the caller closes the connection once the messages so far are sent
     dropped,  ///< its client is gone, and what it left behind is only counted
   };
 
   /// `bus_name` is the only name that `open` accepts, besides none at all. `bus` takes the client's frames.
   SocketcandSession(std::string bus_name, can::Sink& bus, Peer& peer);
 
-  /// The connection is there: says `< hi >`.
+  /// The connection is established: sends `< hi >`.
   void start();
   /// Bytes came from the client, cut anywhere.
   void receive(std::string_view bytes);
   /// The bus may have room again: goes on where a frame was refused.
   void resume();
-  /// The bus refused a frame. No bytes are to be read from the client until resume() ended this, so that a
-  /// client that sends faster than the bus is slowed down by TCP and loses nothing.
+  /// The bus refused a frame. The caller reads no bytes from the client until resume() ended this, so that
+  /// TCP slows down a client that sends faster than the bus, without loss.
   [[nodiscard]] bool waiting() const noexcept { return refused_.has_value(); }
   /// The bus takes nothing any more: drops the frame it refused and those behind it, as far as they have been
   /// read.

@@ -101,7 +101,7 @@ void StreamTransport::on_written(const error_code& failure) {
   writing_ = false;
   reported_.clear();
   std::swap(written_, reported_);
-  // The other side's last words, which the reader still takes, say more than this error does.
+  // The other side's last message, which is still read, is a better reason than this error.
   if (failure) return;
   const std::uint32_t generation = generation_;
   if (!reported_.empty()) frames_written(reported_);

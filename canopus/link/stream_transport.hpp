@@ -63,10 +63,10 @@ class StreamTransport : public Transport {
   std::array<char, 16384> input_;
   HandlerPlace reading_place_;
   HandlerPlace writing_place_;
-  std::string waiting_;               // to be written next
+  std::string waiting_;               // bytes to write next
   std::string output_;                // being written
   std::vector<can::Frame> written_;   // in output_
-  std::vector<can::Frame> reported_;  // were in it, and are told to the user
+  std::vector<can::Frame> reported_;  // were in it; their transmission is reported to the user
   bool writing_ = false;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-// A clock for those who wait for answers. A machine that stands still (a virtual one without a processor, a
-// laptop that sleeps) may have stopped those who were to answer as well: such time must not count as silence.
+// A clock for response timeouts. A suspended machine (a virtual one without a processor, a sleeping laptop)
+// may have stopped the responders as well: such time must not count as silence.
 
 #include <algorithm>
 
@@ -10,12 +10,12 @@ namespace canopus::link {
 
 class SuspendAwareClock {
  public:
-  /// Between two looks no more than this is counted.
+  /// The most that is counted between two calls.
   static constexpr can::Duration most = std::chrono::milliseconds(50);
-  /// How often it is to be looked at.
+  /// The longest interval between two calls.
   static constexpr can::Duration often = std::chrono::milliseconds(10);
 
-  /// What is counted when the real clock has come to `real` since the start. Looks forward only.
+  /// The counted time when the real clock is at `real` since the start. Monotonic.
   [[nodiscard]] can::Duration at(can::Duration real) const noexcept {
     return counted_ + std::clamp(real - seen_, can::Duration{0}, most);
   }

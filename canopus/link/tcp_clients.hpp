@@ -1,6 +1,6 @@
 #pragma once
-// What every TCP server does with its clients, in whatever protocol: which may connect, which are refused, give way or are
-// reported, and how a connection ends. What is read and written is the server's own.
+// Common to the clients of every TCP server: which may connect, which are refused, replaced or reported, and
+// how a connection ends. The server itself implements its protocol.
 
 #include <chrono>
 #include <cstddef>
@@ -68,7 +68,8 @@ class TcpClients {
   [[nodiscard]] bool make_room(const std::string& newcomer, HeldPlace::Clock::time_point now) {
     return places().make_room(all_, newcomer, now, reporter());
   }
-  /// One of those that are meant gives way to a client of this name, if one of them does.
+  /// Closes one of the clients for which `IsMeant` is true in favour of a client of this name, if one gives
+  /// way.
   template <typename IsMeant>
   void give_way(const std::string& newcomer, HeldPlace::Clock::time_point now, const IsMeant& is_meant) {
     places().give_way(all_, newcomer, now, reporter(), is_meant);
@@ -89,7 +90,7 @@ class TcpClients {
     if (!answer.empty()) socket.write_some(boost::asio::buffer(answer), ignored);
     socket.close(ignored);
   }
-  /// What a person should know of a client, behind its name.
+  /// Reports a message about a client for the user, behind its name.
   void report(const std::string& client, std::string_view what) const {
     if (report_) report_(client + ' ' + std::string(what));
   }
@@ -138,7 +139,7 @@ class TcpClient : public std::enable_shared_from_this<Client> {
   ~TcpClient() = default;
 
   [[nodiscard]] bool is_closed() const noexcept { return clients_ == nullptr; }
-  /// What close() of each class does, beside its own.
+  /// Common part of close() of all classes.
   void close_socket(boost::asio::ip::tcp::socket& socket) noexcept {
     clients_ = nullptr;
     boost::system::error_code ignored;
@@ -157,8 +158,8 @@ class TcpClient : public std::enable_shared_from_this<Client> {
   [[nodiscard]] bool is_timer_set() const noexcept { return timer_.is_set(); }
 
   void report(std::string_view what) const { clients_->report(name_, what); }
-  /// Closes it and takes it off the list. `reason`: what the client did, when it was not its client that ended the
-  /// connection.
+  /// Closes it and takes it off the list. `reason`: the client's fault, if the client did not end the
+  /// connection itself.
   void end(const char* reason = nullptr) {
     const auto self = this->shared_from_this();
     TcpClients<Client>& clients = *clients_;

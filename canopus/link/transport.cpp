@@ -91,7 +91,7 @@ void Transport::sent_later(const can::Frame& frame) {
 
 void Transport::report_later() {
   reporting_ = false;
-  // What is sent from inside comes in the next turn; after a failure there is nothing left.
+  // Frames sent in a callback are reported in the next round; after a failure the queue is empty.
   for (std::size_t count = handed_over_.size(); count > 0 && !handed_over_.empty(); --count) {
     const can::Frame frame = handed_over_.front();
     handed_over_.pop_front();

@@ -1,6 +1,6 @@
 #pragma once
-// What the transports of bus clients do alike: keep frames that wait, tell the user what happens, go through opening,
-// interruption and end, and try again. A transport brings how to connect, to write and to disconnect.
+// Common to the transports of bus clients: the transmit queue, the callbacks to the user, the states of
+// opening, interruption and end, and reconnection. A transport implements connect, write and disconnect.
 
 #include <chrono>
 #include <cstddef>
@@ -32,7 +32,7 @@ class Transport : public std::enable_shared_from_this<Transport> {
   Transport(const Transport&) = delete;
   Transport& operator=(const Transport&) = delete;
 
-  /// What was to be said before there was a user is said soon.
+  /// Reports that came before there was a user are delivered soon after.
   void set_user(BusClientListener* user);
   bool send(const can::Frame& frame);
   [[nodiscard]] State state() const noexcept { return state_; }
@@ -60,7 +60,7 @@ class Transport : public std::enable_shared_from_this<Transport> {
   [[nodiscard]] virtual bool finished() const { return queue_.empty(); }
   /// BusClient::is_flushed().
   virtual bool is_flushed() { return true; }
-  /// What it waits for, when opening takes too long: "is it a socketcand server?".
+  /// A hint for the error when opening takes too long: "is it a socketcand server?".
   [[nodiscard]] virtual std::string_view silence() const { return {}; }
   virtual std::expected<void, std::string> restart(std::uint32_t bit_rate);
   /// BusClient::restarted().
@@ -88,9 +88,9 @@ class Transport : public std::enable_shared_from_this<Transport> {
   void sent(const can::Frame& frame, std::optional<std::chrono::nanoseconds> sent_at = std::nullopt);
   /// The same from inside of send().
   void sent_later(const can::Frame& frame);
-  /// Something is wrong that a person should know. At most one a second is said (ComplaintLimiter).
+  /// Reports a fault to the user, at most one a second (ComplaintLimiter).
   void complain(std::string_view text);
-  /// A change of state in words: said each time.
+  /// Reports a change of state, without a limit of rate.
   void announce(std::string_view text);
   void set_status(const ControllerStatus& status);
 
@@ -120,11 +120,11 @@ class Transport : public std::enable_shared_from_this<Transport> {
   bool reporting_ = false;
   std::string reason_;
   can::Ring<can::Frame> queue_;
-  can::Ring<can::Frame> handed_over_;  // to be reported as sent
+  can::Ring<can::Frame> handed_over_;  // to report as sent
   ControllerStatus status_{};
   ComplaintLimiter complaints_;
   boost::asio::steady_timer complaint_pause_;
-  std::string unheard_;  // the first that was to be said before there was a user
+  std::string unheard_;  // the first report before there was a user
 };
 
 /// Opens it; the error is a sentence without the address.

@@ -19,7 +19,7 @@ std::span<const std::uint8_t> as_bytes(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-/// Says how many CAN FD frames were left out: at the first one, and each thousand.
+/// Reports the number of skipped CAN FD frames: at the first one, and at each thousand.
 class LeftOut {
  public:
   /// A sentence now and then, mostly nothing.

@@ -33,8 +33,8 @@ struct CannelloniRecord {
   enum class Kind : std::uint8_t {
     frame,
     error_frame,  ///< its identifier is the class (can_error.hpp)
-    fd_frame,     ///< passed over
-    wrong,        ///< not to be read; where the next one starts is unknown
+    fd_frame,     ///< skipped
+    wrong,        ///< unreadable; the start of the next one is unknown
   };
   Kind kind = Kind::wrong;
   can::Frame frame{};
@@ -63,7 +63,7 @@ class CannelloniSequence {
   unsigned lost_ = 0;
 };
 
-/// What of a datagram can be read.
+/// The readable contents of a datagram.
 struct CannelloniDatagram {
   std::uint8_t sequence = 0;
   std::vector<CannelloniRecord> records{};

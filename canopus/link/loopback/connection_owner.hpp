@@ -15,8 +15,8 @@ namespace canopus::link {
                                                           const boost::asio::ip::tcp::endpoint& local,
                                                           const boost::asio::ip::tcp::endpoint& remote);
 
-/// Whether the other end of this connection is a process of the user whom this process works for (effective
-/// user-ID). False, too, when the other end is gone, on another machine, or of IPv6.
+/// Whether the other end of this connection is a process of the same user (effective user-ID). False, too,
+/// when the other end is gone, on another machine, or of IPv6.
 [[nodiscard]] bool is_of_own_user(const boost::asio::ip::tcp::socket& socket);
 
 }  // namespace canopus::link

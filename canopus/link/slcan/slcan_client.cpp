@@ -1,9 +1,9 @@
 // A bus behind a Lawicel adapter, at a serial device or over TCP.
 //
-// Opening: `C` in case a channel is open, a moment for what the adapter still had to say, then the bit rate and `O`. Its
-// answers come in the order of our commands. At most eight frames are without an answer; a refused one is sent again,
-// from then on one at a time, which is what adapters with a queue of one frame need. An adapter that never answers is
-// used blindly: its frames count as sent once they are written.
+// Opening: `C` in case a channel is open, a delay for pending output of the adapter, then the bit rate and
+// `O`. Its answers come in the order of our commands. At most eight frames are without an answer; a refused
+// one is sent again, from then on one at a time, which is what adapters with a queue of one frame need. An
+// adapter that never answers is used blindly: its frames count as sent once they are written.
 
 #include <utility>
 
@@ -20,7 +20,7 @@ namespace asio = boost::asio;
 using boost::system::error_code;
 using namespace std::chrono_literals;
 
-constexpr auto settling = 100ms;     // for what the adapter still says from before
+constexpr auto settling = 100ms;     // for pending output of the adapter
 constexpr auto answer_time = 500ms;  // an answer that takes longer does not come
 constexpr auto slcan_status_period = 1000ms;
 constexpr auto refusal_pause = 2ms;
@@ -170,7 +170,7 @@ class SlcanTransport final : public StreamTransport {
         while (!questions_.empty() && questions_.front().asked != Asked::flags) answer(false);
         return answer(false);
       case Kind::other:
-        // A version or serial number, which nobody asked for, is no reason to doubt it either.
+        // An unsolicited version or serial number is no fault either.
         if (is_open() && !line.text.empty() && line.text.front() != 'V' && line.text.front() != 'N') {
           complain("what the adapter says is not understood: \"" + std::string(line.text) + '"');
         }
@@ -273,14 +273,14 @@ class SlcanTransport final : public StreamTransport {
   SlcanReader reader_;
   can::Ring<Question> questions_;    // commands without an answer
   std::size_t frames_asked_ = 0;     // of them, frames
-  std::vector<can::Frame> refused_;  // wait to be sent again
+  std::vector<can::Frame> refused_;  // to send again
   std::uint32_t bit_rate_ = 0;
   bool settled_ = false;
   bool channel_open_ = false;
   bool silent_ = false;    // never answers
   bool answered_ = false;  // has answered at least once
   bool mute_ = false;      // it has answered, but not to what it was asked last
-  bool no_flags_ = false;  // does not know F
+  bool no_flags_ = false;  // does not support F
   bool one_at_a_time_ = false;
   bool again_waits_ = false;
   bool complained_ = false;

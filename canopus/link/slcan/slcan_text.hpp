@@ -33,7 +33,7 @@ std::size_t write_slcan_frame(std::span<char, slcan_max_line> out, const can::Fr
 /// SJA1000 at 16 MHz ("s0B1C", sample point between 75 and 90 %). None: there is no such setting.
 [[nodiscard]] std::optional<std::string> slcan_bit_rate(std::uint32_t bit_rate);
 
-/// What came from the adapter.
+/// A line from the adapter.
 struct SlcanLine {
   enum class Kind : std::uint8_t {
     frame,    ///< of the bus
@@ -78,7 +78,7 @@ class SlcanReader {
     }
   }
   void clear() noexcept { size_ = without_end_ = 0; }
-  /// So many bytes came without the end of a line that the other side is no adapter.
+  /// The limit of bytes without an end of line is reached: the other side is no adapter.
   [[nodiscard]] bool is_endless() const noexcept { return without_end_ == slcan_most_without_end; }
 
  private:

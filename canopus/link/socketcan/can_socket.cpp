@@ -180,7 +180,7 @@ std::expected<std::size_t, int> send_can_frames(int descriptor, std::span<const 
 void set_can_filter(int descriptor, std::span<const IdentifierFilter> filters) {
   std::vector<can_filter> raw;
   for (const IdentifierFilter& filter : filters) {
-    // The kind of identifier always counts; remote frames are heard as well.
+    // The filter always compares the identifier format; remote frames pass as well.
     raw.push_back({.can_id = filter.identifier | (filter.extended ? CAN_EFF_FLAG : 0U),
                    .can_mask = (filter.mask & CAN_EFF_MASK) | CAN_EFF_FLAG});
   }

@@ -45,7 +45,7 @@ struct ReceivedBatch {
 };
 /// Fills the batch. An errno when there is no frame (EAGAIN) or the interface went away.
 [[nodiscard]] std::expected<void, int> receive_can_frames(int descriptor, ReceivedBatch& batch);
-/// How many of them, from the first on, the kernel took; an errno if none.
+/// The number of frames, from the first on, that the kernel accepted; an errno if none.
 [[nodiscard]] std::expected<std::size_t, int> send_can_frames(int descriptor,
                                                               std::span<const can::Frame> frames);
 /// Frames the kernel passes on; all with an empty list. At most 512.

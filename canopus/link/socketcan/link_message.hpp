@@ -1,6 +1,6 @@
 #pragma once
-// What the kernel says of a network interface over netlink, as far as a CAN interface is concerned: reading its messages
-// and writing ours, without any I/O. [Linux include/uapi/linux/rtnetlink.h, if_link.h, can/netlink.h]
+// Netlink messages of a network interface, as far as a CAN interface needs them: parsing those of the kernel
+// and building ours, without any I/O. [Linux include/uapi/linux/rtnetlink.h, if_link.h, can/netlink.h]
 
 #include <cstdint>
 #include <optional>
@@ -30,7 +30,7 @@ struct LinkMessage {
   std::uint32_t restart_ms = 0;  ///< from bus-off to the automatic restart; 0: there is none
 };
 
-/// The messages of what one recv() gave, as far as they are whole; others are passed over.
+/// The complete messages of one recv(); others are skipped.
 [[nodiscard]] std::vector<LinkMessage> read_link_messages(std::span<const std::uint8_t> bytes);
 
 using NetlinkRequest = std::vector<std::uint8_t>;

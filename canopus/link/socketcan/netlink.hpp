@@ -1,5 +1,5 @@
 #pragma once
-// Asks the kernel for network interfaces and sets them up (rtnetlink), and hears of their changes.
+// Queries and configures network interfaces (rtnetlink), and receives notifications of their changes.
 
 #include <cstdint>
 #include <expected>

@@ -1,8 +1,9 @@
 // A CAN interface of this machine (Linux SocketCAN).
 //
-// Frames that this client sends come back from the kernel when they are complete on the bus; at most `window` of them
-// are with the kernel, the others wait here, where they can still be dropped. Netlink says what the controller's state,
-// counters and bit timing are: at error frames and four times a second. While it is bus-off nothing is sent.
+// Frames that this client sends come back from the kernel when they are complete on the bus; at most `window`
+// of them are with the kernel, the others wait here, where they can still be dropped. The controller's state,
+// counters and bit timing are read over netlink: at error frames and four times a second. While it is bus-off
+// nothing is sent.
 
 #include <algorithm>
 #include <cerrno>
@@ -31,7 +32,8 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t window = 32;
 constexpr auto socketcan_status_period = 250ms;
-/// Identifiers of our own that a filter is opened for, so that their echo is heard; with more there is no filter.
+/// Identifiers of our own that a filter is opened for, so that their echo is received; with more there is no
+/// filter.
 constexpr std::size_t most_own_identifiers = 128;
 
 class SocketcanTransport final : public Transport {
@@ -48,7 +50,7 @@ class SocketcanTransport final : public Transport {
   std::expected<void, std::string> restart(std::uint32_t bit_rate) override {
     auto done = set_up(bit_rate);
     if (done && is_open()) {
-      // The socket has heard of its interface going down, which was our doing.
+      // Clears the socket's error: we took the interface down ourselves.
       (void)take_socket_error(socket_.native_handle());
       on_bus_.clear();
       queue().clear();
@@ -92,7 +94,8 @@ class SocketcanTransport final : public Transport {
     if (const std::uint32_t wanted = options().bit_rate; wanted != 0) {
       const auto link = netlink_.ask(interface_);
       const bool has_it = link && link->up && link->controller && link->controller->bit_rate == wanted;
-      // Whoever took the interface down, or gave it another bit rate, meant it; an adapter that is plugged in again has neither.
+      // If the interface is down, or has another bit rate, a user did that on purpose; only an adapter that
+      // is plugged in again has neither.
       const bool is_known = link && link->index == index_;
       if (is_known && !link->up) return failed("the interface is down");
       if (link && !has_it && !is_known) {
@@ -197,7 +200,7 @@ class SocketcanTransport final : public Transport {
         (bytes[1] & CAN_ERR_CRTL_RX_OVERFLOW) != 0) {
       complain("the controller lost frames: its receive buffer was full");
     }
-    // Said once, until a frame comes.
+    // Reported once, until a frame comes.
     const std::string_view sentence = describe_error_frame(frame.error_class, bytes);
     if (sentence.empty() || sentence == reported_error_) return;
     reported_error_ = sentence;
@@ -213,7 +216,7 @@ class SocketcanTransport final : public Transport {
     }
   }
 
-  // --- what the kernel says of the interface
+  // --- netlink notifications of the interface
 
   void hear_events() {
     events_.async_wait(stream_descriptor::wait_read,

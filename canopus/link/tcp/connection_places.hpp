@@ -13,9 +13,9 @@
 
 namespace canopus::link {
 
-/// How a connection holds its place; weaker ones give way first.
+/// The priority of a connection's place; connections with a lower one give way first.
 enum class Hold : std::uint8_t {
-  none,        ///< it gives way to anybody
+  none,        ///< it gives way to any connection
   weak,        ///< likewise, when there are none of those
   while_used,  ///< when nothing has come from it for a while
   firm,        ///< never
@@ -36,8 +36,9 @@ class ConnectionPlaces {
   ConnectionPlaces(std::size_t most, std::chrono::milliseconds gives_way_after)
       : most_(most), gives_way_after_(gives_way_after) {}
 
-  /// Whether there is a place for a newcomer of this name, now that one of the connections may have been closed for it. Those have
-  /// name(), place() (a HeldPlace) and close(). `say(client, what)` is told who gave way, or that the newcomer is refused.
+  /// Whether a new connection of this name is admitted; one of the connections may be closed for it.
+  /// Connections have name(), place() (a HeldPlace) and close(). `say(client, what)` reports the closed
+  /// connection, or the refusal.
   template <typename Connection, typename Say>
   [[nodiscard]] bool make_room(std::vector<std::shared_ptr<Connection>>& connections,
                                const std::string& newcomer, Clock::time_point now, const Say& say) const {
@@ -47,7 +48,7 @@ class ConnectionPlaces {
     return false;
   }
 
-  /// Closes one of those that are meant, if one of them gives way. False: none does.
+  /// Closes one of those for which `IsMeant` is true, if one gives way. False: none does.
   template <typename Connection, typename Say, typename IsMeant>
   bool give_way(std::vector<std::shared_ptr<Connection>>& connections, const std::string& newcomer,
                 Clock::time_point now, const Say& say, const IsMeant& is_meant) const {

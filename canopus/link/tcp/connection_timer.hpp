@@ -10,12 +10,12 @@
 
 namespace canopus::link {
 
-/// How long a client may take for something, in real time. One at a time.
+/// A time limit for a client, in real time. One at a time.
 class ConnectionTimer {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// `now` says how late the timer is; another one than the clock's is for tests.
+  /// `now` measures the timer's delay; tests replace it.
   explicit ConnectionTimer(boost::asio::io_context& context, Clock::time_point (*now)() = &Clock::now)
       : timer_(context), now_(now) {}
 

@@ -30,10 +30,10 @@ struct TcpPort::State : std::enable_shared_from_this<State> {
 void TcpPort::State::accept() {
   acceptor.async_accept([self = shared_from_this()](error_code failure, Socket socket) {
     if (!self->acceptor.is_open()) return;
-    // The system says so even when nobody waits; by now there may be descriptors again.
+    // The system reports this even without a pending connection; by now there may be descriptors again.
     if (failure == asio::error::no_descriptors) self->acceptor.accept(socket, failure);
     if (!failure) {
-      // Who has reset his connection meanwhile has no address any more, and nobody is there to be admitted.
+      // A connection that the peer has reset meanwhile has no address any more and is dropped.
       error_code gone;
       (void)socket.remote_endpoint(gone);
       const auto admit = self->users.admit;  // it may close the port

@@ -1,6 +1,7 @@
 #pragma once
-// A TCP port that takes connections until it is closed, on the event loop of its io_context. When the process has no
-// file descriptor left, a client is still taken, to be refused in words; other troubles of accepting are waited out.
+// A TCP port that takes connections until it is closed, on the event loop of its io_context. When the process
+// has no file descriptor left, a client is still accepted, to refuse it with a message; after other errors of
+// accept() it waits and tries again.
 
 #include <cstdint>
 #include <expected>
@@ -46,7 +47,7 @@ class TcpPort {
                                                         Users users);
   /// The port it listens on (the one the system chose when that was 0); 0 before listen().
   [[nodiscard]] std::uint16_t port() const noexcept;
-  /// Nobody is called any more.
+  /// No callback is called after this.
   void close() noexcept;
 
  private:

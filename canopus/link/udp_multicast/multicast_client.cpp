@@ -1,6 +1,6 @@
-// A bus of a network: everybody in a multicast group, as python-can's udp_multicast has it. Datagrams do not pass a
-// router (TTL 1). We send from a socket of our own, whose address tells our datagrams from those of other programs of
-// this machine.
+// A bus of a network: all members of a multicast group, as in python-can's udp_multicast. Datagrams do not
+// pass a router (TTL 1). We send from a socket of our own, whose address distinguishes our datagrams from
+// those of other programs of this machine.
 
 #include <chrono>
 #include <utility>
@@ -37,7 +37,7 @@ class MulticastTransport final : public DatagramTransport {
     if (!failure) socket.set_option(asio::socket_base::reuse_address(true), failure);
     error_code ignored;
     socket.set_option(asio::socket_base::receive_buffer_size(1 << 20), ignored);
-    // Bound to the group, it hears nothing else that comes to this port.
+    // Bound to the group, it receives no other datagrams of this port.
     if (!failure) socket.bind(group_, failure);
     if (failure) return failed("port " + std::to_string(address().port) + ": " + failure.message());
     socket.set_option(asio::ip::multicast::join_group(group), failure);
@@ -45,7 +45,7 @@ class MulticastTransport final : public DatagramTransport {
     if (!failure) sender_.open(protocol, failure);
     if (!failure) sender_.set_option(asio::ip::multicast::hops(1), failure);
     if (!failure) sender_.set_option(asio::ip::multicast::enable_loopback(true), failure);
-    // Connected, it has the address that others see.
+    // After connect() its local address is the source address of our datagrams.
     if (!failure) sender_.connect(group_, failure);
     if (!failure) ours_ = sender_.local_endpoint(failure);
     if (!failure) sender_.non_blocking(true, failure);

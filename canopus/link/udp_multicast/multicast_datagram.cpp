@@ -109,7 +109,7 @@ class Reader {
       default: return std::nullopt;  // C1H is never used
     }
   }
-  /// Passes over what belongs to a value whose head was read. Every element is at least a byte, so a count that is
+  /// Skips the contents of a value whose head was read. Every element is at least a byte, so a count that is
   /// too high ends soon.
   bool pass(const Value& value) {
     std::uint64_t left = contents(value);

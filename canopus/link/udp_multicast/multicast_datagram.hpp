@@ -23,16 +23,15 @@ std::size_t write_multicast_datagram(std::span<std::uint8_t, multicast_max_datag
 struct MulticastMessage {
   enum class Kind : std::uint8_t {
     frame,
-    error_frame,  ///< of a controller; its identifier and data say which (can_error.hpp)
+    error_frame,  ///< of a controller; its identifier and data have the class (can_error.hpp)
     fd_frame,     ///< CAN FD: not for us
   };
   Kind kind = Kind::frame;
   can::Frame frame{};
-  std::chrono::nanoseconds time{};  ///< what the sender says; 0 if that is no time
+  std::chrono::nanoseconds time{};  ///< the sender's time stamp; 0 if it is not valid
 };
 
-/// The error says what is wrong with the datagram. Fields that we do not know are passed over; bytes behind the map are
-/// a mistake.
+/// The error names the fault of the datagram. Unknown fields are skipped; bytes behind the map are a mistake.
 [[nodiscard]] std::expected<MulticastMessage, std::string_view> read_multicast_datagram(
     std::span<const std::uint8_t> datagram) noexcept;
 
