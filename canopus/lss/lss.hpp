@@ -1,6 +1,6 @@
 #pragma once
-// What LSS master and slave have in common [CiA 305]: identifiers, command specifiers, the LSS address, and
-// the table of bit rates. All frames have 8 bytes; numbers are little-endian.
+// Common to LSS master and slave [CiA 305]: identifiers, command specifiers, the LSS address, and the table
+// of bit rates. All frames have 8 bytes; numbers are little-endian.
 
 #include <array>
 #include <cstddef>

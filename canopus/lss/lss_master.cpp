@@ -179,7 +179,7 @@ void LssMaster::send_scan(can::Time now) {
   alarm_ = can::later(now, options_.time_out);
 }
 
-/// The next bit of this part that is to be asked for, of those below `bit`; the confirmation when there is none.
+/// Checks the next unknown bit of this part below `bit`; the confirmation when there is none.
 void LssMaster::scan_below(unsigned bit) {
   while (bit > 0 && (mask_.part(part_) >> (bit - 1) & 1U) != 0) --bit;
   scan_ = bit == 0 ? Scan::confirm : Scan::bit;

@@ -68,8 +68,8 @@ class LssMaster {
   /// Finds one slave without a node-ID and switches it to configuration state: address(). silence: there is
   /// none (any longer).
   bool fastscan(can::Time now) { return fastscan({}, {}, now); }
-  /// The same among those whose address agrees with `known` in the bits of `mask`, which are not asked for.
-  /// lost: there is none like that, or it stopped answering.
+  /// The same among slaves whose address matches `known` in the bits of `mask`; these bits are not scanned.
+  /// lost: no such slave, or it stopped answering.
   bool fastscan(const LssAddress& known, const LssAddress& mask, can::Time now);
   /// Finds the slave with the lowest revision, and among those the lowest serial number, in these ranges, and
   /// switches it to configuration state: address(). Vendor and product (of `low`) have to be known. For
@@ -122,7 +122,7 @@ class LssMaster {
   enum class Scan : std::uint8_t { reset, bit, confirm };
   Scan scan_ = Scan::reset;
   LssAddress mask_;     // fastscan: bits of address_ that are known
-  LssAddress highest_;  // slow scan: what is left of the ranges is address_ to this
+  LssAddress highest_;  // slow scan: the remaining range is address_ to this
   bool halving_ = false;
   unsigned part_ = 0;
   unsigned bit_ = 0;

@@ -1,6 +1,6 @@
 #pragma once
-// Looks for one device by its LSS address, whatever bit rate it runs at, and gives it a node-ID and this
-// network's bit rate [CiA 305; ME3CAN1-Q 4.8.11, notes B11]:
+// Finds one device by its LSS address at any bit rate, and assigns a node-ID and this network's bit rate [CiA
+// 305; ME3CAN1-Q 4.8.11, notes B11]:
 //
 //   40H-43H at the own rate - no answer: at the next one ... - 44H: 11H node-ID, 13H bit rate, 17H store,
 //   15H activate (if the rate differs) - own rate again - 04H waiting state: the device goes on by itself
@@ -16,7 +16,7 @@ namespace canopus::lss {
 
 class LssSearchListener {
  public:
-  /// The own controller is to be restarted with this bit rate (bit/s).
+  /// Requests a restart of the own controller with this bit rate (bit/s).
   virtual void change_bit_rate(std::uint32_t bit_rate, can::Time now) = 0;
   /// The own rate is in force again. `found`: the device has its node-ID.
   virtual void lss_search_finished(std::uint8_t node_id, bool found, can::Time now) = 0;

@@ -60,7 +60,7 @@ void LssSlave::switch_global(std::uint8_t mode, can::Time now) {
   }
 }
 
-// The four parts must come in their order; any that does not match begins anew.
+// The four parts must come in their order; one that does not match restarts the sequence.
 void LssSlave::select(const can::Frame& frame) {
   if (state_ != State::waiting) return;
   const auto part = static_cast<std::uint8_t>(frame.data[0] - lss::command::select_vendor);
@@ -92,7 +92,7 @@ void LssSlave::identify(const can::Frame& frame) {
   answer(lss::command::identified);
 }
 
-// Bytes 1..4 the number, 5 the lowest bit to compare (80H: begin anew), 6 the part it is about, 7 the next
+// Bytes 1..4 the number, 5 the lowest bit to compare (80H: restart), 6 the part of the address, 7 the next
 // one.
 void LssSlave::fastscan(const can::Frame& frame) {
   if (node_id_ != lss::unconfigured || pending_node_id_ != lss::unconfigured || state_ != State::waiting)

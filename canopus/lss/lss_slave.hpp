@@ -1,5 +1,5 @@
 #pragma once
-// LSS slave [CiA 305]: lets an LSS master give this device its node-ID and bit rate. Requests come on 7E5H,
+// LSS slave [CiA 305]: by which an LSS master sets this device's node-ID and bit rate. Requests come on 7E5H,
 // answers go on 7E4H. Two states: waiting, where only switch state, identify and fastscan are obeyed, and
 // configuration, where node-ID and bit timing can be set and stored.
 //
@@ -16,14 +16,14 @@ namespace canopus::lss {
 
 class LssSlaveListener {
  public:
-  /// An unconfigured device has got its node-ID: it is to initialize itself with it.
+  /// An unconfigured device got its node-ID, and must initialize itself with it.
   virtual void node_id_assigned(std::uint8_t node_id, can::Time now) = 0;
   /// Can the device run at this bit rate (bit/s)?
   virtual bool supports_bit_rate(std::uint32_t bit_rate) { return bit_rate != 0; }
   /// The bus runs at another rate from now on.
   virtual void change_bit_rate(std::uint32_t /*bit_rate*/, can::Time) {}
   enum class Stored : std::uint8_t { done = 0, not_supported = 1, failed = 2 };
-  /// Node-ID (FFH: none) and bit rate are to be kept over a power cut.
+  /// Stores node-ID (FFH: none) and bit rate in non-volatile memory.
   virtual Stored store(std::uint8_t /*node_id*/, std::uint32_t /*bit_rate*/) { return Stored::not_supported; }
 
  protected:
