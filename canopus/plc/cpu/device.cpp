@@ -28,7 +28,7 @@ constexpr std::array<FamilyInfo, family_count> families = {{
     {"AS300", {"card", "function cards are in slot 1 or 2", 1, 2}, false, false},
 }};
 
-/// Of an FX3, of M and D.
+/// First special relay M and special register D of an FX3.
 constexpr std::uint32_t first_special = 8000;
 constexpr std::uint32_t end_of_specials = 8512;
 

@@ -1,6 +1,6 @@
 #pragma once
-// The devices of a PLC CPU (X Y M D W ...): what they are called, how people number them, and how many of
-// them a CPU has.
+// The devices of a PLC CPU (X Y M D W ...): their names, their number bases, and their number of points in a
+// CPU.
 
 #include <array>
 #include <cstddef>
@@ -48,13 +48,13 @@ enum class Device : std::uint8_t {
 
 inline constexpr std::size_t device_count = 30;
 
-/// Families of PLCs, as far as they differ for who looks at one from outside: which devices there are, how X and Y
-/// are counted, what a module is addressed by.
+/// Families of PLCs, as far as they differ in access from outside: which devices exist, the number base of X
+/// and Y, the address of a module.
 enum class CpuFamily : std::uint8_t { q, iqr, fx3, fx5, as300 };
 
 inline constexpr std::size_t family_count = 5;
 
-/// What a module of a rack is addressed by.
+/// The address of a module of a rack.
 struct ModulePlace {
   std::string_view key;    ///< as the plant file calls it
   std::string_view words;  ///< what it is, for people
@@ -84,7 +84,7 @@ struct DeviceInfo {
 /// "D" -> Device::d; upper case. Empty for what is no device.
 [[nodiscard]] std::optional<Device> device_named(std::string_view name) noexcept;
 
-/// A CPU module as far as the outside sees it.
+/// A CPU module by its external properties.
 struct CpuModel {
   std::string_view name;   ///< as command 0101 answers it, at most 16 characters
   std::uint16_t code = 0;  ///< model code of command 0101 [SH-080008 11.1]
@@ -103,12 +103,12 @@ struct CpuModel {
   [[nodiscard]] std::uint32_t end_of(Device device) const noexcept;
   /// The CPU has all these points: `count` from `first` on. FX3: M8000 to M8511 and D8000 to D8511 as well.
   [[nodiscard]] bool has(Device device, std::uint32_t first, std::uint32_t count) const noexcept;
-  /// What the special relays and registers are: SM and SD; of an FX3 M and D from 8000 on.
+  /// The special relays and registers: SM and SD; of an FX3 M and D from 8000 on.
   [[nodiscard]] Device special_relay() const noexcept;
   [[nodiscard]] Device special_register() const noexcept;
   /// In which the numbers of a device are written: 8, 10 or 16.
   [[nodiscard]] unsigned number_base(Device device) const noexcept;
-  /// As people of this family call it: SR of an AS300 is Device::sd.
+  /// The device's name in this family: SR of an AS300 is Device::sd.
   [[nodiscard]] std::string_view name_of(Device device) const noexcept;
 };
 
@@ -123,7 +123,7 @@ struct CpuModel {
 [[nodiscard]] const CpuModel& fx5u() noexcept;
 /// AS300: X Y 1024 (X0.0 to X63.15 as 0 to 1023), M 8192, S 2048, T C 512, HC 256, D 30000, SR 2048.
 [[nodiscard]] const CpuModel& as300() noexcept;
-/// The model of a family when nothing else is said.
+/// The default model of a family.
 [[nodiscard]] const CpuModel& usual_model(CpuFamily family) noexcept;
 /// The names of all models.
 [[nodiscard]] std::span<const std::string_view> cpu_model_names() noexcept;

@@ -1,5 +1,6 @@
 #pragma once
-// How many points of each device a CPU has: what a project may set, and the special registers that say it.
+// How many points of each device a CPU has: the settings of a project, and the special registers that contain
+// them.
 
 #include <cstdint>
 #include <expected>
@@ -15,7 +16,7 @@ namespace canopus::plc {
 /// once), ZR (with it R).
 [[nodiscard]] bool has_settable_points(std::string_view device) noexcept;
 
-/// Sets them as a project's parameters do. Error: what was expected, and nothing is changed.
+/// Sets them like a project's parameters. The error names what was expected; nothing is changed then.
 std::expected<void, std::string> set_device_points(CpuModel& model, std::string_view device,
                                                    std::int64_t points);
 /// Whether all devices together fit into the CPU's memory; the error is a sentence.

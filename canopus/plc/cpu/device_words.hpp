@@ -14,7 +14,7 @@ namespace canopus::plc {
 
 class DeviceWords {
  public:
-  /// To be called once.
+  /// Call it once.
   void resize(std::size_t words) {
     size_ = words;
     pages_.resize((words + page_words - 1) / page_words);
@@ -66,7 +66,7 @@ class DeviceWords {
   static constexpr std::size_t page_words = 256;
   using Page = std::array<std::uint16_t, page_words>;
 
-  /// Calls `each(number of a page, place in it, piece of words)` for what lies in one page each.
+  /// Calls `each(number of a page, place in it, piece of words)` for each page of the range.
   template <typename Word, typename Each>
   static void each_piece(std::size_t first, std::span<Word> words, Each each) {
     while (!words.empty()) {

@@ -91,7 +91,7 @@ EndCode Commands::read_module_buffer(FieldReader& data, FieldWriter& out, can::T
   const std::uint16_t module_number = data.u16();
   if (const EndCode end_code = verdict(data); end_code != EndCode::completed) return end_code;
   if (bytes < 2 || bytes > maximum_buffer_bytes) return EndCode::word_points;
-  // Byte addresses, but the modules know words only.
+  // Byte addresses, but the modules have words only.
   if (start % 2 != 0 || bytes % 2 != 0 || module_number > 0xFF) return EndCode::wrong_request_data;
   const auto words = std::span(words_).first(bytes / 2U);
   const auto head_address = static_cast<std::uint16_t>(16 * module_number);
@@ -226,7 +226,7 @@ EndCode Commands::check_password(FieldReader& data, bool already_so, can::Time n
   const std::uint16_t length = data.u16();
   const auto password = data.raw(length);
   if (const EndCode end_code = verdict(data); end_code != EndCode::completed) return end_code;
-  if (already_so) return EndCode::completed;  // the password is not looked at [SH-080008 11.3]
+  if (already_so) return EndCode::completed;  // the password is not checked [SH-080008 11.3]
   const bool iqr = rack_.model().iqr;
   if (guard_ != nullptr && guard_->is_locked_out(now))
     return iqr ? EndCode::password_locked_out : EndCode::wrong_password_q;

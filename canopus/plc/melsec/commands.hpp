@@ -1,6 +1,6 @@
 #pragma once
-// What the commands do: decodes the part of a request behind command and subcommand, accesses the rack,
-// writes the reply's data. A command is read to its end and judged before anything is written, so a refused
+// Executes the commands: decodes the part of a request behind command and subcommand, accesses the rack,
+// writes the reply's data. A command is read to its end and checked before anything is written, so a refused
 // request has changed nothing.
 //
 //   0401 1401  batch read, write           0403 1402  random read, write      0406 1406  several blocks
@@ -52,7 +52,7 @@ class Commands {
   /// `data` is what follows the subcommand; the reply's data go to `out`. With an end code other than
   /// completed, what is in `out` counts for nothing.
   [[nodiscard]] EndCode execute(const Command& command, FieldReader& data, FieldWriter& out, can::Time now);
-  /// The last command was a remote reset that was done: nobody is left to answer it.
+  /// The last command was a remote reset: the CPU restarts, and no reply is sent.
   [[nodiscard]] bool has_reset() const noexcept { return has_reset_; }
 
  private:
@@ -64,7 +64,7 @@ class Commands {
   struct Block {
     Target target;
     std::uint16_t count = 0;    // words; bit devices: 16 points each
-    std::uint32_t value = 0;    // to be written
+    std::uint32_t value = 0;    // to write
     std::uint16_t data_at = 0;  // first of its words in words_
   };
 

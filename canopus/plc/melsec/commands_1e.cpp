@@ -19,7 +19,7 @@ bool is_bit(Device device) { return device_info(device).is_bit; }
 /// 00H means 256.
 std::uint16_t points_of(std::uint8_t field) { return field == 0 ? 256 : field; }
 
-/// What a whole request turns out to be, when nothing else is wrong with it.
+/// The result of a complete request without another mistake.
 Outcome1e verdict_1e(const FieldReader& data) {
   if (data.fault() == FieldReader::Fault::not_a_number) return refused(EndCode1e::not_convertible);
   if (data.fault() == FieldReader::Fault::none && data.at_end()) return completed;
@@ -308,7 +308,7 @@ Outcome1e Commands1e::monitor_words(FieldReader& data, FieldWriter& out, can::Ti
   return completed;
 }
 
-/// Byte addresses, but the modules know words only.
+/// Byte addresses, but the modules have words only.
 Outcome1e Commands1e::check_buffer(std::uint16_t head_address, std::uint32_t start,
                                    std::uint32_t bytes) const {
   if (start % 2 != 0) return refused(EndCode1e::head_device);

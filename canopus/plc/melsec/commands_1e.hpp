@@ -1,9 +1,9 @@
 #pragma once
-// What the commands of 1E frames do: batch read and write (00 to 03), test (04, 05), registering and reading what is
-// monitored (06 to 09), buffer memory of special function modules (0E, 0F), remote RUN and STOP (13, 14), CPU model
-// (15), loopback (16). One object per connection: it remembers what is monitored.
+// Executes the commands of 1E frames: batch read and write (00 to 03), test (04, 05), registering and reading
+// of monitored devices (06 to 09), buffer memory of special function modules (0E, 0F), remote RUN and STOP
+// (13, 14), CPU model (15), loopback (16). One object per connection: it keeps the monitored devices.
 //
-// A request is judged as a whole before anything is written: one that is refused has changed nothing.
+// A request is checked as a whole before anything is written: a refused one has changed nothing.
 
 #include <array>
 #include <cstdint>

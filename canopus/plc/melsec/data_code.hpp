@@ -4,7 +4,7 @@
 
 namespace canopus::plc::melsec {
 
-/// How numbers are sent: low byte first, or as upper-case hexadecimal text with the high digit first.
+/// The coding of numbers: low byte first, or as upper-case hexadecimal text with the high digit first.
 enum class DataCode : std::uint8_t { binary, ascii };
 
 }  // namespace canopus::plc::melsec

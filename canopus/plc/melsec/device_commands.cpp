@@ -29,7 +29,8 @@ std::expected<Target, EndCode> Commands::read_target(FieldReader& data, Layout l
   }
   auto target = melsec::read_target(data, layout, index_registers);
   if (!target || target->is_buffer || rack_.model().points_of(target->device) != 0) return target;
-  // Devices of the iQ-R series alone have no code elsewhere; an FX5 was seen to know RD, and to refuse it otherwise.
+  // Devices of the iQ-R series alone have no code elsewhere; a real FX5 accepts the code of RD, and then
+  // refuses the access.
   if (target->device == Device::rd && rack_.model().family == CpuFamily::fx5)
     return std::unexpected(EndCode::wrong_contents);
   if (target->device == Device::rd || target->device == Device::hg)

@@ -1,7 +1,7 @@
 #pragma once
-// End codes of the MELSEC communication protocol: what a CPU module answers in place of 0000H. Names are
-// ours, numbers and meanings the manuals' [SH-080811 5.1.4, SH-080931]. docs/mc-protocol.md says which of
-// them a real CPU was seen to answer in which case.
+// End codes of the MELSEC communication protocol: the codes of a CPU module's reply other than 0000H. The
+// names are ours, numbers and meanings are from the manuals [SH-080811 5.1.4, SH-080931]. docs/mc-protocol.md
+// lists those that a real CPU returned, and the cases.
 
 #include <cstdint>
 #include <string>
@@ -39,7 +39,7 @@ enum class EndCode : std::uint16_t {
   password_locked_out = 0xC816,
 };
 
-/// What an end code means, in a few words; for any number, known or not.
+/// The meaning of an end code, in a few words; for any number, known or not.
 [[nodiscard]] std::string_view end_code_text(std::uint16_t code) noexcept;
 /// The same for 1E frames: "58H: ...", "5BH 10H: ..."; `abnormal_code` counts behind 5BH alone.
 [[nodiscard]] std::string describe_end_code_1e(std::uint8_t end_code, std::uint8_t abnormal_code);

@@ -110,7 +110,7 @@ class FieldReader {
   Fault fault_ = Fault::none;
 };
 
-/// Writes into memory that its owner knows to be large enough.
+/// Writes into memory. The caller makes sure that it is large enough.
 class FieldWriter {
  public:
   FieldWriter(std::span<std::uint8_t> memory, DataCode code) noexcept : memory_(memory), code_(code) {}

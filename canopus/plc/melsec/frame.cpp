@@ -39,7 +39,7 @@ std::optional<DataCode> data_code_of(std::uint8_t first_byte) noexcept {
 
 HeaderResult read_header(std::span<const std::uint8_t> bytes, DataCode code) noexcept {
   HeaderResult result;
-  // What nearly every client sends.
+  // The form that nearly all clients use.
   constexpr std::size_t binary_3e = 9;
   if (code == DataCode::binary && bytes.size() >= binary_3e && bytes[0] == subheader_3e && bytes[1] == 0) {
     result.state = HeaderResult::State::complete;

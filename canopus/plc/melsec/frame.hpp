@@ -1,9 +1,11 @@
 #pragma once
-// The frame around a request and its reply, without what it asks for.
+// The frame around a request and its reply, without its command data.
 //
-//   3E  50 00                | network | PC | module I/O | station | length | timer | command | subcommand |
-//   ... 4E  54 00 | serial | 0 0 | network ... 3E  D0 00                | network | PC | module I/O | station
-//   | length | end code | data 4E  D4 00 | serial | 0 0 | network ...
+//   3E request  50 00                | network | PC | module I/O | station | length | timer | command |
+//                                      subcommand | data
+//      reply    D0 00                | network | PC | module I/O | station | length | end code | data
+//   4E request  54 00 | serial | 0 0 | network ... as 3E
+//      reply    D4 00 | serial | 0 0 | network ... as 3E
 //
 // `length` counts everything behind it, in bytes or characters. In ASCII the subheader is the text "5000",
 // every other field its hexadecimal text. [SH-080008 4.1]
@@ -18,7 +20,7 @@
 
 namespace canopus::plc::melsec {
 
-/// Whom the message is for; the reply carries the same.
+/// The destination of a message; the reply carries the same route.
 struct Route {
   std::uint8_t network = 0x00;
   std::uint8_t pc = 0xFF;
@@ -35,13 +37,13 @@ struct FrameHeader {
   std::uint16_t length = 0;  ///< of what follows the header
 };
 
-/// What a request begins with behind the header.
+/// Command and subcommand behind a request's header.
 struct Command {
   std::uint16_t command = 0;
   std::uint16_t subcommand = 0;
 };
 
-/// The data code that a connection's first byte says, or none when it can be no request.
+/// The data code by a connection's first byte, or none when no request begins with it.
 [[nodiscard]] std::optional<DataCode> data_code_of(std::uint8_t first_byte) noexcept;
 
 struct HeaderResult {
@@ -58,7 +60,8 @@ struct HeaderResult {
 std::size_t begin_reply(FieldWriter& out, const FrameHeader& request, EndCode end_code) noexcept;
 /// Fills the length in.
 void end_reply(FieldWriter& out, std::size_t length_at) noexcept;
-/// The error information behind an end code: who says so, and which command failed.
+/// The error information behind an end code: the route of the responding station, and the command that
+/// failed.
 void write_error_information(FieldWriter& out, const Route& route, const Command& command) noexcept;
 
 }  // namespace canopus::plc::melsec

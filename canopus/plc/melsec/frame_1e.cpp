@@ -22,7 +22,7 @@ constexpr std::array codes_1e = {
     DeviceCode1e{0x5320, Device::s},
 };
 
-/// A request without its data, and where it says how much data there is.
+/// The form of a request without its data, and the position of its number of points.
 struct Form {
   std::size_t fixed_size;  // bytes behind the header before the data
   std::size_t count_at;    // byte behind the header that counts them

@@ -1,5 +1,5 @@
 #pragma once
-// A-compatible 1E frames: no length field, so the command says how long a request is.
+// A-compatible 1E frames: no length field, so the command determines the length of a request.
 //
 //   request  subheader 1 | PC number 1 (FF) | monitoring timer 2 | ...
 //   reply    subheader + 80H 1 | end code 1 | data, or behind end code 5BH: abnormal code 1 | 00
@@ -45,7 +45,7 @@ enum class EndCode1e : std::uint8_t {
   points = 0x57,  ///< too many points, beyond the last device, the length does not fit, nothing to monitor
   head_device =
       0x58,  ///< first device beyond the last one, word device in bits, bits not from a multiple of 16
-  cpu_refuses = 0x5B,  ///< an abnormal code says why
+  cpu_refuses = 0x5B,  ///< an abnormal code gives the reason
 };
 
 /// Behind end code 5BH. 12H is not confirmed by a manual at hand.
@@ -69,7 +69,7 @@ struct Request1e {
   enum class State : std::uint8_t {
     incomplete,
     complete,
-    unknown,      ///< a subheader that is none here: how long the request is, nobody can say
+    unknown,      ///< an unknown subheader: the length of the request is undefined
     not_a_number  ///< ASCII that is none, where the length depends on it
   } state = State::incomplete;
   std::uint8_t subheader = 0;

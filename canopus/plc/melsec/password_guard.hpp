@@ -6,8 +6,8 @@
 
 namespace canopus::plc::melsec {
 
-/// Who guesses the remote password of a port has few tries, whatever connections they use: all sessions of a
-/// port share one.
+/// Limits the attempts at the remote password of a port, across connections: all sessions of a port share one
+/// guard.
 class PasswordGuard {
  public:
   static constexpr unsigned most_tries = 5;

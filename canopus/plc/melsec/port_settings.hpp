@@ -1,6 +1,6 @@
 #pragma once
-// What a port of an Ethernet module is set to, as far as the protocol goes ("open settings"): which frames and which
-// data code it takes, what its clients may write, and its remote password.
+// The protocol settings of a port of an Ethernet module ("open settings"): its frames and data code, the
+// write permission of its clients, and its remote password.
 
 #include <cstdint>
 #include <optional>

@@ -2,13 +2,14 @@
 // One client's conversation, in 3E, 4E and 1E frames: bytes in, bytes out. No socket, no clock, no thread; memory is fixed when it
 // begins and nothing is allocated afterwards.
 //
-// The owner puts received bytes into space(), says how many with received(), and lets process() answer every
-// complete request. What is in output() is to be sent, then sent() says so. A client that does not take its
-// replies fills output() and is not answered further until it does: it blocks nobody else.
+// The owner writes received bytes into space(), calls received() with their number, and process() answers
+// every complete request. The owner sends the bytes of output() and calls sent(). A client that does not read
+// its replies fills output() and gets no further replies until it reads: it does not block other clients.
 //
-// The data code is the port's, or that of the connection's first byte, and stays. A request whose beginning is no
-// request's, or whose length no request can have, makes the rest of the stream unreadable, and a CPU that was reset
-// forgets it: the session is over() then, and the connection is to be closed when output() is sent. Any other mistake is answered with an end code.
+// The data code is the port's, or that of the connection's first byte, and stays. A request whose beginning
+// is no request's, or whose length no request can have, makes the rest of the stream unreadable, and a CPU
+// reset discards it: the session is over() then, and the owner closes the connection when output() is sent.
+// Any other mistake is answered with an end code.
 //
 // 1E frames have no length. Behind one that cannot be measured (an unknown subheader, ASCII that is no number) all
 // that has been received counts as its rest.
@@ -47,7 +48,7 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Where the next bytes go; never empty after process() unless output() is waiting to be sent.
+  /// Where the next bytes go; never empty after process() unless output() has unsent bytes.
   [[nodiscard]] std::span<std::uint8_t> space() noexcept { return std::span(input_).subspan(input_size_); }
   void received(std::size_t count) noexcept {
     input_size_ += count;
@@ -77,7 +78,7 @@ class Session {
   static constexpr std::size_t output_capacity = 65536;
   static constexpr std::size_t maximum_reply = maximum_reply_data + 64;  // with its header
 
-  /// What became of the bytes at the front of the input.
+  /// The result for the bytes at the front of the input.
   struct Step {
     enum class State : std::uint8_t { incomplete, answered, unreadable } state = State::incomplete;
     std::size_t size = 0;  // of the request
@@ -86,7 +87,7 @@ class Session {
 
   /// The frame that begins so on this port, and the data code, where that is still open.
   [[nodiscard]] Frame frame_of(std::uint8_t first_byte);
-  /// How long the 1E request in front is. In ASCII its letters are capitals from then on.
+  /// The length of the 1E request in front. In ASCII its letters become capitals.
   [[nodiscard]] Request1e measure_1e(std::span<std::uint8_t> waiting);
   Step next_3e(const HeaderResult& head, std::span<const std::uint8_t> waiting, can::Time now);
   Step next_1e(std::span<std::uint8_t> waiting, can::Time now);

@@ -48,10 +48,10 @@ constexpr std::array<DeviceCode, device_count> codes = {{
     {0x2E, "HG", "HG"},
 }};
 
-/// What the extension of a target points at, before the device code is known.
+/// The kind of a target's extension, before the device code is known.
 enum class Extension : std::uint8_t { none, module, other };
 
-/// What is added to a number: nothing, or an index register. Other kinds (LZ, indirect) are not there.
+/// The modification of a number: none, or an index register. Other kinds (LZ, indirect) are not supported.
 struct Modification {
   enum class Kind : std::uint8_t { none, z, other } kind = Kind::none;
   std::uint32_t number = 0;
@@ -124,7 +124,7 @@ std::expected<Target, EndCode> joined(std::optional<Device> device, bool is_g, E
                                       std::uint32_t module_number, std::uint32_t number) {
   if (extension == Extension::other) return std::unexpected(EndCode::no_device_extension);
   if (is_g) {
-    // G alone says nothing: whose buffer memory?
+    // G needs the unit number of its module.
     if (extension == Extension::none) return std::unexpected(EndCode::device_not_accessible);
     if (module_number > 0xFF) return std::unexpected(EndCode::no_module);
     return Target{true, Device::d, static_cast<std::uint16_t>(16 * module_number), number};

@@ -1,13 +1,12 @@
 #pragma once
-// What a request points at: a device of the CPU, or buffer memory of a module (U\G), as the four layouts of
-// the subcommands write it.
+// The target of a request: a device of the CPU, or buffer memory of a module (U\G), in the four layouts of
+// the subcommands.
 //
 //                      binary                                         ASCII
 //   000x Q/L     number 3 | code 1                                    code 2 | number 6
 //   000x iQ-R    number 4 | code 2                                    code 4 | number 8
-//   008x Q/L     00 00 | number 3 | code 1 | 00 00 | ext 2 | memory   "00" | ext 4 | "000" | code 2 | number
-//   6 |
-//                                                                     "000"
+//   008x Q/L     00 00 | number 3 | code 1 | 00 00 | ext 2 | memory   "00" | ext 4 | "000" | code 2 |
+//                                                                     number 6 | "000"
 //   008x iQ-R    00 00 | number 4 | code 2 | 00 00 | ext 2 | memory   "00" | ext 4 | "0000" | code 4 |
 //                                                                     number 10 | "0000"
 //
@@ -48,7 +47,7 @@ using Target = RackAddress;
 
 /// Binary code of G.
 inline constexpr std::uint8_t buffer_memory_code = 0xAB;
-/// What stands where a CPU's or module's memory is chosen: U\G.
+/// The direct memory specification for a CPU's or module's memory: U\G.
 inline constexpr std::uint8_t module_access = 0xF8;
 /// Likewise, the CPU buffer memory: U3E0\HG. `ext` is 3E0H then, CPU No. 1 of a multiple CPU system.
 inline constexpr std::uint8_t cpu_buffer = 0xFA;

@@ -29,7 +29,7 @@ constexpr std::array table = {
 };
 // clang-format on
 
-/// What the AS300's device is called here: timers and counters are a contact and a value each.
+/// The device of an AS300 device name: timers and counters are a contact and a value each.
 std::optional<Device> device_of(const DeviceAddresses& row) {
   if (row.device == "T") return row.words ? Device::tn : Device::ts;
   if (row.device == "C") return row.words ? Device::cn : Device::cs;

@@ -214,7 +214,7 @@ Exception Functions::identify(Request pdu, Reply& reply) const {
   const std::size_t end = category == individual ? id + 1
                           : category == basic    ? Identification::basic_count
                                                  : Identification::object_count;
-  if (id >= end) id = 0;  // an unknown object begins the stream anew
+  if (id >= end) id = 0;  // an unknown object restarts the stream
   reply.u8(device_identification);
   reply.u8(category);
   reply.u8(conformity);

@@ -22,7 +22,7 @@ namespace canopus::plc::modbus {
 
 /// Function code and data, of a request or a reply.
 inline constexpr std::size_t maximum_pdu = 253;
-/// Numbers stand high byte first.
+/// Numbers are big-endian.
 [[nodiscard]] constexpr unsigned word_at(std::span<const std::uint8_t> bytes, std::size_t at) noexcept {
   return static_cast<unsigned>(bytes[at]) << 8U | bytes[at + 1];
 }

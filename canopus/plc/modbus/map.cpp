@@ -40,7 +40,8 @@ Exception exception_of(const Rack::Access& access) {
                                                   : Exception::illegal_data_address;
 }
 
-/// Where address `offset` of a range of bits lies in its words, and how many bits of this word follow.
+/// The position of address `offset` of a range of bits in its words, and the number of following bits in this
+/// word.
 struct BitsOfWord {
   RackAddress at;
   unsigned first = 0;

@@ -1,7 +1,7 @@
 #pragma once
 // Which addresses of the Modbus data model are which devices or buffer memory of a rack.
 //
-// Each of the four tables has addresses 0 to FFFFH of its own. A range of them stands for a run of points:
+// Each of the four tables has addresses 0 to FFFFH of its own. A range of them maps to consecutive points:
 //
 //   table              on a bit device                on a word device or buffer memory
 //   coils, inputs      one point each                 16 for each word, bit 0 first
@@ -44,7 +44,7 @@ enum class Exception : std::uint8_t {
   illegal_data_address = 2,
   illegal_data_value = 3,
   server_device_failure = 4,
-  target_failed_to_respond = 0x0B,  ///< a unit identifier that nobody has
+  target_failed_to_respond = 0x0B,  ///< a unit identifier without a device
 };
 
 struct Range {
@@ -58,7 +58,7 @@ struct Range {
 
 class Map {
  public:
-  /// Ranges of one table must not overlap, and must end at FFFFH; the error says which others do.
+  /// Ranges of one table must not overlap, and must end at FFFFH; the error names the range in conflict.
   std::expected<void, std::string> add(Table table, const Range& range);
   [[nodiscard]] const std::vector<Range>& ranges(Table table) const noexcept {
     return ranges_[static_cast<std::size_t>(table)];

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t fixed_size = 6;  // of the header, up to its length field
 constexpr std::size_t unit_at = 6;
-/// These two mean whoever has the port. [Modbus Messaging on TCP/IP V1.0b 4.4.2.1]
+/// These two address the server of the port itself. [Modbus Messaging on TCP/IP V1.0b 4.4.2.1]
 constexpr std::uint8_t unit_none = 0xFF;
 constexpr std::uint8_t unit_broadcast = 0x00;
 

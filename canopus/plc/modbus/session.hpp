@@ -23,7 +23,7 @@ class Session {
   Session(Rack& rack, const Settings& settings, WritePermission permission) noexcept
       : settings_(settings), permission_(permission), functions_(rack, settings) {}
 
-  /// Where the next bytes go; never empty after process() unless output() is waiting to be sent.
+  /// Where the next bytes go; never empty after process() unless output() has unsent bytes.
   [[nodiscard]] std::span<std::uint8_t> space() noexcept { return std::span(input_).subspan(input_size_); }
   void received(std::size_t count) noexcept { input_size_ += count; }
 
@@ -48,7 +48,7 @@ class Session {
   static constexpr std::size_t input_capacity = 16 * maximum_frame;
   static constexpr std::size_t output_capacity = 64 * maximum_frame;
 
-  /// What stands at the front of the input: `size` bytes of a request, or 0 where there is no header of one.
+  /// The request at the front of the input: `size` bytes of a request, or 0 where there is no header of one.
   struct Head {
     bool is_complete = false;
     std::size_t size = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// What a Modbus server can do besides its map: functions, points per request, and what it says it is.
+// Settings of a Modbus server besides its map: functions, points per request, device identification.
 
 #include <array>
 #include <cstdint>
@@ -31,13 +31,14 @@ struct Identification {
   std::array<std::string, object_count> objects{};
 };
 
-/// What a port is set to.
+/// The settings of a port.
 struct Settings {
   Map map{};
   Limits limits{};
   Identification identification{};
   WritePermission write = WritePermission::always;
-  /// The unit identifier it answers to, besides 0 and 255, which mean whoever has the port. None: any.
+  /// The unit identifier it answers to, besides 0 and 255, which address the server of the port itself. None:
+  /// any.
   std::optional<std::uint8_t> unit{};
 };
 

@@ -69,7 +69,7 @@ void BuiltInProgram::cpu_paused(bool paused, can::Time now) {
 
 void BuiltInProgram::begin(can::Time now) {
   is_running_ = true;
-  if (!interface_.ready) was_ready_ = false;  // nobody reported restarts in STOP
+  if (!interface_.ready) was_ready_ = false;  // no restarts were reported in STOP
   if (node_start_ != NodeStart::none || (has_set_up() && !interface_.ready)) next_scan_ = now + scan_time;
   const module::ProgramRequest& exchange = interface_.exchange;
   if (!task_.exchange || exchange.kind == Kind::none) return;
@@ -111,14 +111,14 @@ void BuiltInProgram::tick(can::Time now) {
     case Exchange::answered: set_output(interface_.exchange.signal, false, now); return exchange_done(now);
     case Exchange::idle:
       if (may_exchange(now)) return request_exchange(now);
-      next_request_ = now + interval_;  // not ready, or a client plays the program: look again later
+      next_request_ = now + interval_;  // not ready, or a client acts as the program: try again later
       return;
   }
 }
 
 bool BuiltInProgram::signal_changed(module::SignalKind kind, unsigned number, bool on, can::Time now) {
   const bool is_input = kind == module::SignalKind::input;
-  if (is_input && number == interface_.ready && !on) was_ready_ = false;  // it starts anew
+  if (is_input && number == interface_.ready && !on) was_ready_ = false;  // the module restarts
   if (!owns_signal_ || number != interface_.exchange.signal) return false;
   if (is_input && on) {
     exchange_ = Exchange::answered;
@@ -210,7 +210,7 @@ void BuiltInProgram::set_up(can::Time now) {
     if (task_.online) set_online(false, now);
   }
   if (!is_setting_up_) return;
-  // A command that a word executes comes to its end before the next word.
+  // A command that a word starts completes before the next word.
   const module::ProgramCommand& command = interface_.command;
   const bool words_execute = command.execute.kind == Kind::write;
   for (; next_word_ < task_.words.size(); ++next_word_) {

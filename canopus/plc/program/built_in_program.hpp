@@ -1,16 +1,16 @@
 #pragma once
-// The built-in PLC program: runs in a CPU that has no other. It asks a communication module for a data
-// exchange again and again, and after each start of the module writes words and takes it into Layer 2 online
-// mode. What to set and what to wait for it takes from the module's ProgramInterface. It runs while the CPU is
-// in RUN, and sets Y where everybody sees them, in the CPU's memory.
+// The built-in PLC program: runs in a CPU that has no other. It requests data exchanges of a communication
+// module cyclically, and after each start of the module writes words and takes it into Layer 2 online mode.
+// The module's ProgramInterface defines the signals to set and to wait for. The program runs while the CPU is
+// in RUN, and sets Y in the CPU's memory, visible to all clients.
 //
 // With `recover` it does what a manual demands of a program [ME3CAN1-Q 3.3.2, 3.5.5, 4.7, 4.8.8]:
 // - A module that initializes takes no requests, and one that was made meanwhile is never answered. So it
-//   watches G25.7 all the time, takes its request back, and makes it anew afterwards. Also when an answer does
+//   monitors G25.7 continuously, takes its request back, and repeats it afterwards. Also when an answer does
 //   not come within answer_time.
 // - The CPU's STOP takes the module out of Operational, and RUN does not bring it back. So after RUN the
 //   active NMT master's program requests the start of its own node: 05H to 1F82H.
-// Without, it does neither, as many a program: process data may stand still until somebody helps.
+// Without it, as in many real programs, it does neither: process data may stop until a client restarts them.
 
 #include <chrono>
 #include <cstdint>
@@ -40,25 +40,25 @@ class BuiltInProgram {
     bool recover = true;
   };
 
-  /// For the module at this head address of the rack, in or to be put in. Rack, module and interface must
+  /// For the module at this head address of the rack, inserted now or later. Rack, module and interface must
   /// outlive the program.
   BuiltInProgram(Rack& rack, std::uint16_t head, module::Module& module,
                  const module::ProgramInterface& interface, Task task);
 
   /// The supply came: the program begins, if the CPU is in RUN. Or it went.
   void supply_changed(bool on, can::Time now);
-  /// STOP: it stands still; RUN: it goes on.
+  /// STOP: the program stops; RUN: it continues.
   void cpu_changed(module::CpuState state, can::Time now);
-  /// PAUSE: the program stands still, Y stay; afterwards it goes on where it was.
+  /// PAUSE: the program stops, Y keep their state; afterwards it continues at the same point.
   void cpu_paused(bool paused, can::Time now);
-  /// To be called whenever something may have happened to the module.
+  /// Call it after each event that may have changed the module.
   void look(can::Time now);
-  /// What is due; look() is to follow.
+  /// Executes what is due. The caller calls look() next.
   void tick(can::Time now);
   [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
 
-  /// To be called with what the module's observer hears. True: it belongs to a data exchange of the program's
-  /// own.
+  /// Called for each signal change that the module's observer gets. True: it belongs to a data exchange of
+  /// the program itself.
   bool signal_changed(module::SignalKind kind, unsigned number, bool on, can::Time now);
   [[nodiscard]] bool buffer_written(module::BufferAddress address) const noexcept;
 
@@ -69,7 +69,7 @@ class BuiltInProgram {
     requested,  ///< until the answer
     answered,   ///< the signal's request goes OFF at next_request_
   };
-  /// Of the own node, after STOP and RUN.
+  /// Start of the own node, after STOP and RUN.
   enum class NodeStart : std::uint8_t { none, wanted, requested };
 
   [[nodiscard]] bool has_set_up() const noexcept { return task_.online || !task_.words.empty(); }

@@ -90,7 +90,7 @@ void ExchangeMonitor::tick(can::Time now) {
   if (look_at_ > now) return;
   look_at_ = now + look_again;
   if (is_initializing(now)) return;
-  look_at_ = can::never;  // its answer is heard
+  look_at_ = can::never;  // its answer was received
   was_reported_ = true;
   report_ = described(now);
 }

@@ -1,7 +1,7 @@
 #pragma once
-// Watches the data exchange requests that a module gets, from whichever program, and reports process data that
-// stand still: a request that the module does not answer, because it was initializing when the request came
-// [ME3CAN1-Q 3.5.5], or does not work. The one way on is to take the request back and make it again.
+// Watches the data exchange requests that a module gets, from any program, and reports stopped process data:
+// a request that the module does not answer, because it was initializing when the request came [ME3CAN1-Q
+// 3.5.5], or does not work. The only remedy is to take the request back and make it again.
 
 #include <chrono>
 #include <optional>
@@ -22,21 +22,21 @@ class ExchangeMonitor {
   ExchangeMonitor(module::Module& module, const module::ProgramInterface& interface, unsigned head)
       : words_(module.buffer_memory()), interface_(interface), head_(head) {}
 
-  /// What the module's observer hears. `by_program`: the built-in PLC program's own request, which it makes
-  /// again if it takes it back.
+  /// A signal change of the module. `by_program`: a request of the built-in PLC program, which repeats it
+  /// after taking it back.
   void signal_changed(module::SignalKind kind, unsigned number, bool on, bool by_program, can::Time now);
   void buffer_written(module::BufferAddress address, std::uint16_t value, can::Time now);
-  /// The supply went, or the CPU stopped: nobody asks.
+  /// The supply went off, or the CPU stopped: no program makes requests.
   void forget() noexcept;
 
-  /// To be called whenever something may have happened to the module.
+  /// Call it after each event that may have changed the module.
   void look(can::Time now);
   void tick(can::Time now);
   [[nodiscard]] can::Alarm& alarm() noexcept { return look_at_; }
 
   /// Something to report since the last call: one line for a person.
   [[nodiscard]] std::optional<std::string> take_report() { return std::exchange(report_, std::nullopt); }
-  /// What is wrong now, for a person, once it was reported; empty: nothing.
+  /// The present fault as a text for the user, once it was reported; empty: none.
   [[nodiscard]] std::string trouble(can::Time now) const;
 
  private:

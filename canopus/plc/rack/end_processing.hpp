@@ -1,10 +1,10 @@
 #pragma once
-// END processing, as far as clients see it. A CPU with a scan looks at what has been asked of it between two runs of its
-// program; so what the requests of one scan read and write is of one moment, X, Y, devices and buffer memory alike.
+// END processing, as far as clients observe it. A CPU with a scan processes requests between two runs of its
+// program; so all requests of one scan read and write the same moment of X, Y, devices and buffer memory.
 //
-// Who has received a request says so with wait(), and is asked for its answers at the next END, in the order in which
-// they said so. While plant time stands still (a plant that is driven in step) END processing stays open: whoever would
-// wait is answered at once.
+// A server calls wait() for a received request, and its requests are processed at the next END, in the order
+// of wait(). While plant time stands still (a plant that is driven in step) END processing stays open:
+// requests are processed at once.
 
 #include <algorithm>
 #include <vector>
@@ -15,7 +15,7 @@ namespace canopus::plc {
 
 class EndProcessing {
  public:
-  /// Who has requests: a client's connection, or a port for datagrams.
+  /// A source of requests: a client's connection, or a port for datagrams.
   class Requests {
    public:
     /// Answers what has been received. It may wait() again, for the END after this one, and leave others out. The timeline
@@ -30,13 +30,13 @@ class EndProcessing {
   void wait(Requests& requests) {
     if (std::ranges::find(waiting_, &requests) == waiting_.end()) waiting_.push_back(&requests);
   }
-  /// What waited does not any more.
+  /// Removes it from the waiting ones.
   void leave(Requests& requests) noexcept {
     std::erase(waiting_, &requests);
     std::ranges::replace(present_, &requests, nullptr);
   }
 
-  /// The END of a scan: all that wait are answered. What comes of it (a reset of the CPU) is no further END.
+  /// The END of a scan: answers all waiting requests. A consequence (a reset of the CPU) is no further END.
   void answer(can::Time now) {
     if (!present_.empty()) return;
     present_.swap(waiting_);
@@ -45,7 +45,7 @@ class EndProcessing {
     present_.clear();
   }
 
-  /// From now on nobody has to wait, and who waited is answered; or they do again.
+  /// true: requests are processed at once from now on, waiting ones now; false: they wait for END again.
   void stay_open(bool open, can::Time now) {
     is_open_ = open;
     if (open) answer(now);

@@ -48,7 +48,7 @@ class ModuleRefresh final : private can::Ticker, private RackListener {
   void cpu_paused(bool paused, can::Time now) override;
   void scan_ended(can::Time now) override;
   void programs_run(bool run, can::Time now);
-  /// never: a rack with a scan of its own says when it ends.
+  /// never: the refresh follows the END of the rack's own scan.
   [[nodiscard]] can::Time next_after(can::Time now) const;
   void exchange(can::Time now);
   /// Writes what differs.

@@ -98,8 +98,9 @@ void Rack::power_off(can::Time now) {
   end_processing_.answer(now);  // there is no END any more
 }
 
-// X first: what a module answers to a Y shows in the next scan, as behind the filters of a real one. Clients read and write
-// between the two, so their X and buffer memory are of one moment, and so are their Y and what they write there.
+// X first: a module's response to a Y is visible in the next scan, as behind the filters of a real one.
+// Clients read and write between the two, so their X and buffer memory are of one moment, and so are their Y
+// and what they write there.
 void Rack::tick(can::Time now) {
   if (deadline() > now) return;
   alarm() = condition_.scan.end_of(1, now);
@@ -169,7 +170,7 @@ void Rack::fail_cpu(can::Time now) {
 
 void Rack::reset_cpu(can::Time now) {
   if (!on_) return;
-  // The switch says how it comes up; a remote STOP or an error is forgotten.
+  // The RUN/STOP switch determines the state after power-on; a remote STOP or an error is cleared.
   const bool is_switched_off =
       condition_.state == CpuState::stop && condition_.stop_cause == StopCause::by_switch;
   const CpuState state = is_switched_off ? CpuState::stop : CpuState::run;

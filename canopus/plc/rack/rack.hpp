@@ -2,15 +2,15 @@
 // The PLC around the modules: a rack with slots, the CPU's devices (X Y M D W R SM SD ...) and its RUN/STOP
 // state. One Rack lives on one event loop; every access is a direct call.
 //
-// There is no PLC program: whoever accesses the rack plays it. X is what the modules say at this moment, a
+// There is no PLC program: clients that access the rack act as one. X is the modules' state at this moment, a
 // written Y is a signal edge at once, and everything else is memory. With a scan of its own, X and Y are
-// refreshed between two scans, as by a CPU: X stays what it was then, and a written Y reaches its module then.
-// Clients are answered between the two (end_processing.hpp), so all that they see is of that moment.
-// A device number or buffer memory address outside of the range is refused as a whole, before anything is
+// refreshed between two scans, as by a CPU: X stays what it was then, and a written Y reaches its module
+// then. Clients are answered between the two (end_processing.hpp), so all that they see is of that moment. A
+// device number or buffer memory address outside of the range is refused as a whole, before anything is
 // written.
 //
-// Modules hear of the CPU's state (cpu_changed), and after every access that a module may react to, its
-// deadline in the timeline is read again.
+// Modules get the CPU's state by cpu_changed(), and after every access that a module may react to, the
+// timeline reads its deadline again.
 
 #include <array>
 #include <chrono>
@@ -48,14 +48,14 @@ enum class AccessError : std::uint8_t {
   beyond_buffer  ///< buffer memory addresses beyond the module's last one
 };
 
-/// Who goes with the CPU: the built-in PLC program.
+/// Callbacks of the CPU's state: for the built-in PLC program.
 class RackListener {
  public:
-  /// The supply came on, with the CPU in cpu_state(), or went off. Modules know already.
+  /// The supply came on, with the CPU in cpu_state(), or went off. Called after the modules.
   virtual void supply_changed(bool on, can::Time now) = 0;
-  /// The CPU went to RUN, Y as before the STOP, or to STOP, Y OFF. Modules know already.
+  /// The CPU went to RUN, Y as before the STOP, or to STOP, Y OFF. Called after the modules.
   virtual void cpu_changed(module::CpuState state, can::Time now) = 0;
-  /// The CPU, in RUN, went to PAUSE or came back from it: no program runs, Y stay. Modules do not know.
+  /// The CPU, in RUN, went to PAUSE or came back from it: no program runs, Y stay. Modules are not notified.
   virtual void cpu_paused(bool /*paused*/, can::Time /*now*/) {}
   /// A scan of the rack's own ends, in STOP, too: X are not yet refreshed, clients not yet answered.
   virtual void scan_ended(can::Time /*now*/) {}
@@ -80,14 +80,14 @@ class Rack final : private can::Ticker {
   /// rack. False when there is no such place, or it is taken, or the
   /// points reach beyond X/Y FFFH, or the rack has supply: modules are not changed online.
   bool insert(std::uint16_t head_address, module::Module& module);
-  /// Hears of supply and CPU from now on; it must outlive the rack.
+  /// `listener` must outlive the rack.
   void add_listener(RackListener& listener) { listeners_.push_back(&listener); }
   /// The module whose points begin at head_address, or nullptr.
   [[nodiscard]] module::Module* module_at(std::uint16_t head_address) const noexcept;
 
   [[nodiscard]] const CpuModel& model() const noexcept { return model_; }
 
-  /// What the programming tool's product list says of a slot.
+  /// One slot in the programming tool's product list.
   struct ProductListRow {
     unsigned slot = 0;            ///< in the order of insertion
     std::uint16_t io_number = 0;  ///< head address
@@ -120,10 +120,10 @@ class Rack final : private can::Ticker {
   /// The CPU finds an error and stops: every module is notified, then as RUN to STOP. RUN again is possible at
   /// once.
   void fail_cpu(can::Time now);
-  /// As the RESET switch: devices are cleared and all modules start anew.
+  /// Like the RESET switch: clears devices and restarts all modules.
   void reset_cpu(can::Time now);
-  /// What remote RUN clears when asked: all devices but L (`latched` = false) or with L. SM SD R ZR stay, and
-  /// so do Z and the CPU buffer memory; Y of modules go off.
+  /// The clear modes of remote RUN: all devices but L (`latched` = false) or with L. SM SD R ZR stay, and so
+  /// do Z and the CPU buffer memory; Y of modules go off.
   void clear_devices(bool latched, can::Time now);
   /// L only: remote latch clear.
   void clear_latched() noexcept;
@@ -134,7 +134,7 @@ class Rack final : private can::Ticker {
   /// Word devices: one word per point. Bit devices: 16 points per word, the first in bit 0; `first` may be
   /// any number.
   Access read_words(Device device, std::uint32_t first, std::span<std::uint16_t> words, can::Time now);
-  /// X of a module's points keeps what the module says; SM and SD that the system sets likewise.
+  /// X of a module's points keep the module's state; SM and SD that the system sets likewise.
   Access write_words(Device device, std::uint32_t first, std::span<const std::uint16_t> words, can::Time now);
   /// Bit devices only: 0 or 1 per point.
   Access read_bits(Device device, std::uint32_t first, std::span<std::uint8_t> bits, can::Time now);
@@ -183,7 +183,7 @@ class Rack final : private can::Ticker {
   [[nodiscard]] std::uint16_t bit_block(Device device, std::uint32_t block, can::Time now);
   [[nodiscard]] std::uint32_t inputs_of(const Slot& slot) const noexcept;
   [[nodiscard]] bool output(std::uint32_t number) const noexcept;
-  /// Y of the memory and of the module, whatever the scan.
+  /// Y of the memory and of the module, independent of the scan.
   void set_output(std::uint32_t number, bool on, can::Time now);
   /// D and SR that are a module's, among `words`, which begin with number `first`.
   void read_registers(Device device, std::uint32_t first, std::span<std::uint16_t> words, can::Time now);

@@ -1,5 +1,5 @@
 #pragma once
-// Where something lies in a rack: a device of the CPU, or a word of a module's buffer memory; and how people write it.
+// Addresses in a rack: a device of the CPU, or a word of a module's buffer memory; and their notation.
 
 #include <cstdint>
 #include <expected>
@@ -17,9 +17,9 @@ struct RackAddress {
   std::uint32_t number = 0;        ///< device number or buffer memory address
 };
 
-/// "D100", "x1f", "U0\G25", "U3E0\HG0" (also with / instead of the backslash). The unit number behind U and the numbers of
-/// X Y B W SB SW are hexadecimal, everything else is decimal; `io_base` is what X and Y are written in, 8 with an FX
-/// (CpuModel::number_base). The error says what was expected.
+/// "D100", "x1f", "U0\G25", "U3E0\HG0" (also with / instead of the backslash). The unit number behind U and
+/// the numbers of X Y B W SB SW are hexadecimal, everything else is decimal; `io_base` is what X and Y are
+/// written in, 8 with an FX (CpuModel::number_base). The error names what was expected.
 [[nodiscard]] std::expected<RackAddress, std::string> parse_rack_address(std::string_view text,
                                                                          unsigned io_base = 16);
 

@@ -1,4 +1,4 @@
-// What a program reaches in the modules of a rack besides X and Y: buffer memory and registers.
+// A program's access to the modules of a rack besides X and Y: buffer memory and registers.
 
 #include <algorithm>
 #include <array>

@@ -11,10 +11,10 @@ namespace canopus::plc {
 
 class Scan {
  public:
-  /// Of a CPU for which nothing else is said.
+  /// The default scan time.
   static constexpr can::Duration usual_period = std::chrono::milliseconds(10);
   static constexpr can::Duration shortest_period = std::chrono::microseconds(100);
-  /// The longest one that the watchdog timer of a Q CPU can be set to let pass.
+  /// The longest one that the watchdog timer setting of a Q CPU permits.
   static constexpr can::Duration longest_period = std::chrono::milliseconds(2000);
 
   explicit Scan(can::Duration period) noexcept : period_(period) {}
@@ -27,7 +27,7 @@ class Scan {
     counted_ = 0;
     is_counting_ = false;
   }
-  /// From STOP to RUN: the scans are counted anew, and the next one to end is the first one.
+  /// From STOP to RUN: the count restarts, and the next scan to end is the first one.
   void run(can::Time now) noexcept {
     counted_ = 0;
     is_counting_ = false;
@@ -44,11 +44,11 @@ class Scan {
     is_counting_ = false;
   }
 
-  /// Scans that have ended since the supply came, whatever the CPU did meanwhile.
+  /// Scans that have ended since the supply came, in STOP too.
   [[nodiscard]] std::uint64_t ended(can::Time now) const noexcept {
     return static_cast<std::uint64_t>((now - start_) / period_);
   }
-  /// When so many more will have ended; never, when that is beyond all time.
+  /// The time at which this number of further scans has ended; never on overflow.
   [[nodiscard]] can::Time end_of(std::uint64_t scans, can::Time now) const noexcept {
     const can::Time last = start_ + static_cast<std::int64_t>(ended(now)) * period_;
     if (scans > static_cast<std::uint64_t>((can::never - last) / period_)) return can::never;

@@ -124,7 +124,7 @@ std::optional<std::uint16_t> scan_register(const CpuModel& model, const Scan& sc
   return static_cast<std::uint16_t>(number % 2 == 0 ? whole : rest);
 }
 
-/// What a clock shows.
+/// Date, time and weekday of a clock.
 struct ClockFace {
   unsigned year, month, day, hour, minute, second, weekday;
 };

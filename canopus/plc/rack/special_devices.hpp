@@ -13,10 +13,10 @@
 
 namespace canopus::plc {
 
-/// Why the CPU stands still, as SD203 counts.
+/// The cause of the CPU's STOP, coded as in SD203.
 enum class StopCause : std::uint8_t { by_switch = 0, remote = 2, error = 4 };
 
-/// What the special devices show.
+/// The CPU state in the special devices.
 struct CpuCondition {
   module::CpuState state = module::CpuState::run;
   StopCause stop_cause = StopCause::by_switch;
