@@ -43,7 +43,7 @@ std::size_t size_of(const FileContents& contents) {
 
 }  // namespace
 
-/// Takes a journal apart; what is not there reads as zero and leaves is_whole() false.
+/// Parses a journal; missing bytes read as zero and make is_whole() false.
 class ChangeSets::Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> bytes) : left_(bytes) {}
@@ -57,7 +57,7 @@ class ChangeSets::Reader {
     left_ = left_.subspan(size);
     return value;
   }
-  /// How many things of at least one byte follow.
+  /// The number of following items of at least one byte.
   std::uint32_t count() {
     const std::uint32_t value = number(4);
     if (value > left_.size()) is_whole_ = false;
@@ -91,7 +91,8 @@ ChangeSets::Done ChangeSets::check(const std::filesystem::path& name) {
   return check_inner_path(*files_, folder_, name.string());
 }
 
-/// What a journal names, by the spelling alone: a file that became a link since must not make the others inaccessible.
+/// Checks the names in a journal, by their spelling alone: a file that became a link since must not make the
+/// others inaccessible.
 ChangeSets::Done ChangeSets::check_names(const Journal& journal) {
   const auto check_all = [this](const FileContents& contents) -> Done {
     for (const auto& [name, content] : contents) {

@@ -1,8 +1,9 @@
 #pragma once
 // Changes of several files of a folder that are made together or not at all, and can be taken back one by one.
 //
-// What is going to be written is first put into a journal, in the folder ".canopus" there. From then on the change counts:
-// a power cut in the middle is made up for by the next recover(). The journal keeps what the files were before, for undo().
+// New contents first go into a journal, in the folder ".canopus" there. From then on the change is valid:
+// after a power cut in the middle the next recover() completes it. The journal keeps the previous contents of
+// the files, for undo().
 
 #include <cstddef>
 #include <cstdint>
@@ -30,7 +31,7 @@ class ChangeSets {
   static constexpr std::size_t most_bytes_kept = 8 << 20;  ///< of the files before them
   static constexpr std::size_t longest_file = 16 << 20;    ///< bytes
 
-  /// `files` must outlive it. `records`: where the journal lies, below the folder.
+  /// `files` must outlive it. `records`: the journal's folder, below the folder.
   explicit ChangeSets(std::filesystem::path folder, Files& files = real_files(),
                       const std::filesystem::path& records = ".canopus")
       : folder_(std::move(folder)),
@@ -38,35 +39,36 @@ class ChangeSets {
         records_(records),
         journal_(folder_ / records, {}, files) {}
 
-  /// Ends a change that a power cut left half done. To be called before anything is read, by a caller that may write.
+  /// Ends a change that a power cut left half done. Call it before anything is read, with write permission.
   [[nodiscard]] std::expected<void, std::string> recover();
   /// For readers, in place of recover(): writes nothing; from then on read() gives what the files were before a
   /// change that is not finished. False when there is none.
   [[nodiscard]] std::expected<bool, std::string> look();
-  /// What people should know when there is one; `journal`: as they know its path.
+  /// The message to the user when there is one; `journal`: the path as the user gave it.
   [[nodiscard]] static std::string unfinished_change(std::string_view journal);
-  /// A file as it stands; nothing: it is not there.
+  /// The contents of a file; nothing: it does not exist.
   [[nodiscard]] std::expected<std::optional<std::string>, std::string> read(const std::string& name);
   /// Gives the files these contents, making folders as needed. Those that have theirs already are not touched, and nothing
   /// is recorded when that is true of all. `title` describes the change for people.
   [[nodiscard]] std::expected<void, std::string> write(const FileContents& contents, std::string_view title);
-  /// Takes the latest change back and forgets it: its title, or nothing when there is none. Refused when one of its
-  /// files has been changed otherwise since.
+  /// Undoes the latest change and removes it from the journal. Returns its title, or nothing when there is
+  /// none. Refused when one of its files has been changed otherwise since.
   [[nodiscard]] std::expected<std::optional<std::string>, std::string> undo();
 
  private:
   using Done = std::expected<void, std::string>;
   using Bytes = std::vector<std::uint8_t>;
-  /// What can be taken back.
+  /// A change that can be undone.
   struct Record {
     std::string title;
     FileContents before;
     std::map<std::string, std::optional<std::uint32_t>> after;  // checksums; nothing: no such file
   };
   struct Journal {
-    FileContents pending;  // to be written
+    FileContents pending;  // to write
     std::vector<Record> records;
-    // What the pending files were; nothing: the last record has it, as with every change that is not an undo.
+    // The contents of the pending files before; nothing: the last record has them, as with every change that
+    // is not an undo.
     std::optional<FileContents> before;
   };
   class Reader;

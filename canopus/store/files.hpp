@@ -1,6 +1,6 @@
 #pragma once
-// What stored data ask of a file system, as an interface: the real one in a program, one that loses its power
-// in a test. Errors are errno values, or not_a_file.
+// The interface to the file system for stored data: the real one in a program, one that loses its power in a
+// test. Errors are errno values, or not_a_file.
 
 #include <cstddef>
 #include <cstdint>
@@ -35,7 +35,7 @@ class Files {
   /// Appends; may take less than all.
   [[nodiscard]] virtual std::expected<std::size_t, int> write(int file,
                                                               std::span<const std::uint8_t> bytes) = 0;
-  /// What was written is on the medium afterwards.
+  /// Flushes written data to the medium.
   [[nodiscard]] virtual int flush(int file) = 0;
   virtual void close(int file) noexcept = 0;
   /// Takes the place of a file that is there, in one step.

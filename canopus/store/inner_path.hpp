@@ -1,6 +1,6 @@
 #pragma once
-// Files that another file names: a journal, the list of a project. Such a file may come from a stranger, so that it names
-// files of its own folder alone.
+// Files that another file names: a journal, the list of a project. Such a file may come from an untrusted
+// source, so it may only name files of its own folder.
 
 #include <expected>
 #include <filesystem>

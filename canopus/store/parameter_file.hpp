@@ -1,5 +1,5 @@
 #pragma once
-// What a node saves by 1010H, in a file that is old or new and never half (file_memory.hpp).
+// The parameters that a node saves by 1010H, in a file that is replaced atomically (file_memory.hpp).
 
 #include <filesystem>
 #include <string>
@@ -11,7 +11,7 @@ namespace canopus::store {
 
 class ParameterFile final : public canopen::ParameterStore {
  public:
-  /// The file `name` in `folder`; which names and whose: file_memory.hpp.
+  /// The file `name` in `folder`; for valid names and owners: file_memory.hpp.
   ParameterFile(std::filesystem::path folder, std::string name, std::string owner = {})
       : memory_(std::move(folder), std::move(owner)), name_(std::move(name)) {}
 

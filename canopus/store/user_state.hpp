@@ -1,5 +1,5 @@
 #pragma once
-// Files that the program keeps for the user who runs it: the projects used last, transfer setups.
+// Files that the program keeps for its user: recent projects, transfer setups.
 
 #include <filesystem>
 #include <string>
@@ -9,7 +9,7 @@ namespace canopus::store {
 /// $XDG_STATE_HOME/canopus, else ~/.local/state/canopus; empty: the environment names neither.
 [[nodiscard]] std::filesystem::path user_state_folder();
 
-/// Who may read a file that is written.
+/// Read permission of a written file.
 enum class FileReaders { everybody, owner };
 
 /// Beside it first, then in its place: after a failure the old file is there, whole. Empty: done; else a sentence that names the
