@@ -18,7 +18,7 @@ void set_missing_defaults(Draft& draft, Problems& problems);
 /// COB-IDs that no node uses, because CiA 301 restricts their CAN-ID [CiA 301 7.3.5]. The values stay.
 void review_restricted_identifiers(const Draft& draft, Problems& problems);
 
-/// What becomes of the service whose COB-ID is refused: "TPDO1 is not sent".
+/// The consequence for the service whose COB-ID is refused: "TPDO1 is not sent".
 [[nodiscard]] std::string consequence_of_refusal(canopen::CobIdUse use, std::uint16_t index);
 
 }  // namespace canopus::eds

@@ -17,7 +17,7 @@ using Done = std::expected<void, std::string>;
 
 constexpr std::string_view xml_is_no_ini = "this is XML, an XDD or XDC, and no EDS or DCF";
 
-/// What of its object a value belongs to, as the file has it.
+/// The section and key of a value in the file.
 struct ValuePlace {
   std::string section;
   std::string key;

@@ -25,10 +25,10 @@ struct ConfigurationNames {
                                                                      const ConfigurationNames& names,
                                                                      const Commissioning& commissioning);
 
-/// Gives a sub-index this ParameterValue, in its own section or, for a member of a compact object, in its list of
-/// values ([2000Value]). Fails, and nothing is changed, with the reason: the file has no such object or
-/// sub-index or no place for its value, or the value does not fit its type or limits. Access is not looked at.
-/// Reads the whole file.
+/// Gives a sub-index this ParameterValue, in its own section or, for a member of a compact object, in its
+/// list of values ([2000Value]). Fails, and nothing is changed, with the reason: the file has no such object
+/// or sub-index or no place for its value, or the value does not fit its type or limits. Access is not
+/// checked. Reads the whole file.
 [[nodiscard]] std::expected<void, std::string> set_parameter_value(IniText& file, std::uint16_t index,
                                                                    std::uint8_t sub, std::string_view value);
 
@@ -37,7 +37,7 @@ struct ConfigurationNames {
 [[nodiscard]] std::expected<void, std::string> remove_parameter_value(IniText& file, std::uint16_t index,
                                                                       std::uint8_t sub);
 
-/// What is wrong with a value for this sub-index (type, limits), as a sentence about `key`; empty: nothing.
+/// The mistake of a value for this sub-index (type, limits), as a sentence about `key`; empty: none.
 [[nodiscard]] std::string value_problem(const canopen::DictionaryDescription& dictionary,
                                         const canopen::Entry& entry, std::string_view key,
                                         std::string_view value);

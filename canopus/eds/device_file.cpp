@@ -80,7 +80,7 @@ bool complete_mandatory_objects(Draft& draft, const IniFile& file, Problems& pro
   return true;
 }
 
-/// 1018H and [DeviceInfo] say the same thing twice; what the device answers (1018H) wins.
+/// 1018H and [DeviceInfo] contain the same identity twice; the one that the device answers (1018H) wins.
 void compare_identity(Draft& draft, const DeviceFile& device, const Section* info, bool is_made,
                       Problems& problems) {
   struct Part {

@@ -1,7 +1,7 @@
 #pragma once
-// A device description file as a device: what an EDS or DCF [CiA 306], an XDD or XDC [CiA 311] says, read forgivingly. Files in the
-// field are broken in many ways; the reader repairs what a person would and says so, with the line, and
-// refuses only what no person could make sense of.
+// A device description file as a device: the contents of an EDS or DCF [CiA 306], an XDD or XDC [CiA 311],
+// read tolerantly. Files in the field are broken in many ways; the reader repairs what a person would repair,
+// with a note that names the line, and refuses only files without a reasonable meaning.
 //
 // No file is opened here: the text comes in as it is, with any bytes, any line ends.
 
@@ -33,7 +33,7 @@ struct Problem {
 /// "error", "warning", "note".
 [[nodiscard]] std::string_view name(Problem::Severity severity) noexcept;
 
-/// [FileInfo]; empty or 0 where the file says nothing.
+/// [FileInfo]; empty or 0 where the file has no value.
 struct FileInfo {
   std::string file_name;
   std::uint32_t version = 0;
@@ -63,8 +63,8 @@ struct DeviceInfo {
   std::uint8_t granularity = 8;  ///< bits per mapped object, 0 = mapping fixed, 1..64
   std::uint32_t dynamic_channels = 0;
   bool group_messaging = false;
-  std::uint16_t rpdos = 0;  ///< NrOfRXPDO as the file says
-  std::uint16_t tpdos = 0;  ///< NrOfTXPDO as the file says
+  std::uint16_t rpdos = 0;  ///< NrOfRXPDO of the file
+  std::uint16_t tpdos = 0;  ///< NrOfTXPDO of the file
   bool lss = false;
   std::uint8_t compact_pdo = 0;  ///< bits 0..5: sub-indexes 01H..06H of generated PDO communication records
 };
@@ -112,13 +112,13 @@ class RareText {
   std::unique_ptr<const std::string> text_;  // nullptr: empty
 };
 
-/// What a file says of a sub-index beyond what a dictionary needs.
+/// Attributes of a sub-index that a dictionary does not need.
 struct EntryFacts {
   std::uint16_t index = 0;
   std::uint8_t sub = 0;
   unsigned line = 0;               ///< of its section
   std::uint32_t object_flags = 0;  ///< bit 0: do not write on download, bit 1: do not read on scan
-  bool configured = false;         ///< a DCF gives it a ParameterValue: to be downloaded
+  bool configured = false;         ///< a DCF gives it a ParameterValue to download
   RareText default_text;           ///< of a configured one: its DefaultValue as the file writes it
   RareText denotation;             ///< the application's name for it
   RareText upload_file;            ///< DOMAIN: receives what is read
@@ -133,7 +133,7 @@ struct ModuleInfo {
   std::string order_code;
 };
 
-/// 1000H and 1018H, as a master compares them (1F84H-1F88H). Empty: the file does not say, or the object does
+/// 1000H and 1018H, as a master compares them (1F84H-1F88H). Empty: the file has no value, or the object does
 /// not exist.
 struct Identity {
   std::optional<std::uint32_t> device_type;
@@ -185,7 +185,7 @@ struct ReadResult {
 /// Reads an EDS, DCF, XDD or XDC; the content decides which. A refusal is the only failure.
 [[nodiscard]] ReadResult read_device_file(std::string_view text);
 
-/// What a device made from this file answers for 1000H and 1018H.
+/// The values of 1000H and 1018H of a device made from this file.
 [[nodiscard]] Identity identity(const DeviceFile& file);
 /// The default (or configured) value of a sub-index of fixed length for this node-ID, zero-extended; empty
 /// when there is none.

@@ -45,7 +45,7 @@ using Draft = std::map<std::uint16_t, ObjectDraft>;
 [[nodiscard]] EntryDraft made_entry(std::string name, canopen::DataType type, canopen::Access access,
                                     std::uint64_t value, unsigned line);
 
-/// What the name of an object's section says.
+/// The meaning of an object's section name.
 struct ObjectSection {
   enum class Kind : std::uint8_t { head, sub, names, values, denotations, links };
   Kind kind = Kind::head;

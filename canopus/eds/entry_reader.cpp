@@ -113,7 +113,7 @@ void set_mappable(canopen::EntrySpec& spec) noexcept {
   }
 }
 
-/// Parameters are saved by 1010H: what can be written and is neither process data nor a command.
+/// Parameters saved by 1010H: writable entries that are neither process data nor a command.
 bool is_stored(const canopen::EntrySpec& spec, std::uint16_t index) noexcept {
   if (!canopen::is_writable(spec.access) || !canopen::is_readable(spec.access)) return false;
   if (spec.type == DataType::domain || index == 0x1003 || index == 0x1010 || index == 0x1011) return false;

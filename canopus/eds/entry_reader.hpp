@@ -27,7 +27,7 @@ class ObjectKeys {
   std::vector<std::pair<std::string_view, const Item*>> misspelt_;
 };
 
-/// What a sub-index takes from its object when its own section does not say.
+/// Attributes that a sub-index inherits from its object if its own section has none.
 struct EntryFallback {
   std::string name;
   std::optional<canopen::DataType> type;

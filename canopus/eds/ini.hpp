@@ -1,5 +1,5 @@
 #pragma once
-// The text of an EDS as sections, keys and values that still know their lines.
+// The text of an EDS as sections, keys and values with their line numbers.
 
 #include <cstddef>
 #include <map>
@@ -12,7 +12,7 @@
 
 namespace canopus::eds {
 
-/// A text of sections and keys has at most so many bytes, so that none takes all memory; the largest known has 0.2 MB.
+/// Most bytes of a text of sections and keys, to bound memory; the largest known has 0.2 MB.
 constexpr std::size_t largest_ini_text = std::size_t{4} << 20;
 /// Why a text of this size is refused; empty: it is not.
 [[nodiscard]] std::string size_problem(std::size_t bytes, std::size_t most);
@@ -43,7 +43,7 @@ class IniFile {
   /// Takes any bytes; of too many it has no section. Where a section comes twice, the later one adds keys; of a
   /// key that comes twice in a section, the first one counts.
   IniFile(std::string_view text, Problems& problems);
-  /// Of sections that were found otherwise; no two have the same folded name.
+  /// From sections of another source; no two have the same folded name.
   explicit IniFile(std::vector<Section> sections);
 
   [[nodiscard]] const std::vector<Section>& sections() const noexcept { return sections_; }

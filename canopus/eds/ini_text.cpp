@@ -10,7 +10,7 @@
 namespace canopus::eds {
 namespace {
 
-// What IniFile takes for blank around a value, and what it skips.
+// Characters that IniFile takes for blanks around a value, and those that it skips.
 constexpr std::string_view skipped("\0\x1A \t\v\f\r", 7);
 constexpr std::string_view unreadable("\0\x1A\r\n", 4);
 

@@ -12,8 +12,8 @@
 
 namespace canopus::eds {
 
-/// Sections and keys are found as IniFile finds them: whatever their case, blanks, underscores and hyphens. Of a
-/// key that comes twice the first one counts, and is the one that is changed.
+/// Sections and keys are matched as by IniFile: case, blanks, underscores and hyphens do not matter. Of a key
+/// that comes twice the first one counts, and is the one that is changed.
 class IniText {
  public:
   /// Takes any bytes. Of a text that is not read (problem()) nothing is found, and nothing is changed.

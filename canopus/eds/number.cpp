@@ -69,8 +69,8 @@ std::optional<Number> signed_number(std::string_view text) {
   return number;
 }
 
-/// A number as nearly all are written: 1..16 digits behind 0x, or 1..19 decimal ones that do not begin with 0. Nothing for
-/// others, which are looked at more closely.
+/// A number as nearly all are written: 1..16 digits behind 0x, or 1..19 decimal ones that do not begin with
+/// 0. Nothing for others, which the full parser reads.
 std::optional<Number> usual_number(std::string_view text) noexcept {
   Number number;
   number.hexadecimal = text.size() > 2 && text[0] == '0' && (text[1] == 'x' || text[1] == 'X');

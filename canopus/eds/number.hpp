@@ -13,7 +13,7 @@ struct Number {
   std::uint64_t magnitude = 0;
   bool hexadecimal = false;   ///< a bit pattern rather than a quantity
   bool adds_node_id = false;  ///< $NODEID + number
-  /// What had to be overlooked to read it, for a note: "octal", "a comment behind it" ... Empty: nothing.
+  /// Tolerated mistakes, for a note: "octal", "a comment behind it" ... Empty: nothing.
   std::string_view overlooked{};
 
   /// As a two's complement pattern.

@@ -1,5 +1,5 @@
 #pragma once
-// Numbered lists (1=, 2=, ...) and what the object lists say.
+// Numbered lists (1=, 2=, ...) and the object lists.
 
 #include <cstdint>
 #include <string_view>

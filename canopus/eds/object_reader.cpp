@@ -56,7 +56,7 @@ class ObjectReader {
 };
 
 ObjectCode ObjectReader::likely_code() const {
-  // Alike members make an ARRAY; PDO, SDO and identity records are RECORDs.
+  // Equal members make an ARRAY; PDO, SDO and identity records are RECORDs.
   if (index_ >= 0x1018 && index_ < 0x2000 && index_ != 0x1029 && index_ != 0x1028) return ObjectCode::record;
   std::set<std::string> types;
   for (const auto& [sub, section] : sections_.subs) {

@@ -13,7 +13,7 @@
 
 namespace canopus::eds {
 
-/// Where a value stands, for messages.
+/// The place of a value, for messages.
 struct Place {
   Problems& problems;
   const Item& item;
@@ -35,7 +35,7 @@ struct Value {
 /// A DefaultValue or ParameterValue. Nothing, after a warning, when it cannot be read.
 [[nodiscard]] std::optional<Value> read_value(canopen::DataType type, const Place& place);
 
-/// A LowLimit or HighLimit, as canopen::Limits wants it. Nothing when it cannot be used, and (without a
+/// A LowLimit or HighLimit in the form of canopen::Limits. Nothing when it cannot be used, and (without a
 /// warning) for types that have no order.
 [[nodiscard]] std::optional<std::uint64_t> read_limit(canopen::DataType type, const Place& place);
 

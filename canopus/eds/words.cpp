@@ -18,7 +18,7 @@ using canopen::ObjectCode;
 
 constexpr bool is_blank(char c) noexcept { return ascii::is_blank(c) || c == '\v' || c == '\f' || c == '\r'; }
 
-/// What folded() makes of a character: one, or none.
+/// The result of folded() for a character: one, or none.
 struct Folding {
   char letter = 0;
   std::uint8_t length = 1;

@@ -25,7 +25,7 @@ inline constexpr std::size_t most_written_sub_indexes = 100'000;
 /// has 254 of in six lines. Empty: they would not.
 [[nodiscard]] std::string too_much_to_write(const DeviceFile& file);
 
-/// What a device file says as an EDS or, with a commissioning, as a DCF; lines end in CR LF. Every sub-index has its
+/// A device file as an EDS or, with a commissioning, as a DCF; lines end in CR LF. Every sub-index has its
 /// section.
 [[nodiscard]] WrittenFile write_eds(const DeviceFile& file);
 

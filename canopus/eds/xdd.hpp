@@ -1,5 +1,5 @@
 #pragma once
-// An XDD or XDC [CiA 311] as the sections and keys in which CiA 306 says the same: one reader, and one set of checks,
+// An XDD or XDC [CiA 311] as the equivalent sections and keys of CiA 306: one reader, and one set of checks,
 // for both kinds of device files.
 
 #include <optional>
@@ -10,11 +10,11 @@
 
 namespace canopus::eds {
 
-/// True when a text begins as XML does, whatever is in it: with '<', behind blanks and a byte order mark.
+/// True when a text begins like XML: with '<', behind blanks and a byte order mark.
 [[nodiscard]] bool is_xml(std::string_view text) noexcept;
 
-/// The text of an XML file as UTF-8: UTF-16 and, where the XML declaration says so, Windows Latin are converted, with
-/// a note. Nothing, after an error, when it is neither.
+/// The text of an XML file as UTF-8: UTF-16 and, where the XML declaration names it, Windows Latin are
+/// converted, with a note. Nothing, after an error, when it is neither.
 [[nodiscard]] std::optional<std::string> xml_text(std::string_view text, Problems& problems);
 
 /// The number of an index or subIndex attribute: hexadecimal with or without 0x, at most `digits` digits.

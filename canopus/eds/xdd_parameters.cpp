@@ -40,7 +40,7 @@ void add_at(Section& section, std::string_view key, std::string_view shown, std:
                            position.line, position.column});
 }
 
-/// One range, and nothing beside it: more than CiA 306 can say is no limit.
+/// Only a single range becomes a limit: CiA 306 cannot express more.
 void add_limits(Section& facts, const xml::Document& document, pugi::xml_node allowed) {
   const pugi::xml_node range = child(allowed, "range");
   if (!range || child(allowed, "value")) return;

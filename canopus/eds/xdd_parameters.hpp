@@ -1,5 +1,6 @@
 #pragma once
-// The application process of an XDD [CiA 311]: what its parameters say of the objects that refer to them.
+// The application process of an XDD [CiA 311]: the attributes that its parameters give to the objects that
+// refer to them.
 
 #include <string_view>
 #include <unordered_map>
@@ -20,8 +21,8 @@ class XddParameters {
   /// `process`: ApplicationProcess, or an empty element.
   XddParameters(const xml::Document& document, pugi::xml_node process);
 
-  /// Keys and values of a parameter as CiA 306 has them, those of its template included, or nullptr: there is none of
-  /// this uniqueID. Each is read once, however many objects refer to it.
+  /// Keys and values of a parameter as CiA 306 has them, those of its template included, or nullptr: there is
+  /// none of this uniqueID. Each is read once, independent of the number of objects that refer to it.
   [[nodiscard]] const Section* find(std::string_view id);
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// What a device file has that a DeviceFile has no place for: it is lost where the file is written anew.
+// Contents of a device file without a place in DeviceFile: they are lost when the file is written again.
 
 #include <string>
 #include <string_view>

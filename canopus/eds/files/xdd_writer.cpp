@@ -75,7 +75,7 @@ class XddWriter {
 
   void warn(std::string text) { warnings_.push_back(std::move(text)); }
 
-  /// As it may stand in the file; what XML has no way to write is replaced.
+  /// The text as XML; characters that XML cannot represent are replaced.
   std::string written(std::string_view text, std::string_view name) {
     if (auto result = xml::escaped(text, '"')) return *std::move(result);
     std::string cleaned = to_utf8(text);

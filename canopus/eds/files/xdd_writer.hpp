@@ -5,7 +5,7 @@
 
 namespace canopus::eds {
 
-/// What a device file says as an XDD or, with a commissioning, as an XDC, in UTF-8. All of an object stands in its
+/// A device file as an XDD or, with a commissioning, as an XDC, in UTF-8. All data of an object are in its
 /// CANopenObject: there is no application process. rwr and rww become rw, for TPDOs or RPDOs.
 [[nodiscard]] WrittenFile write_xdd(const DeviceFile& file);
 

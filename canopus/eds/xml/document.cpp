@@ -10,7 +10,7 @@ constexpr std::size_t most_bytes = std::size_t{8} << 20;  // the largest known d
 
 constexpr std::size_t most_attributes = 64;  // of one element
 
-/// Finds what the parser lets pass. Goes along the tree without recursion.
+/// Finds mistakes that the parser accepts. Walks the tree without recursion.
 struct StructureCheck : pugi::xml_tree_walker {
   bool for_each(pugi::xml_node& node) override {
     place = node;

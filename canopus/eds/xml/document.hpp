@@ -1,6 +1,6 @@
 #pragma once
-// An XML text as a tree whose elements and attributes still know their places, for files of strangers: nothing is
-// expanded or fetched, and what is too deep or declares entities is refused.
+// An XML text as a tree whose elements and attributes have their positions, for untrusted files: nothing is
+// expanded or fetched, and texts that are too deep or declare entities are refused.
 
 #include <cstddef>
 #include <expected>
@@ -14,7 +14,7 @@
 
 namespace canopus::eds::xml {
 
-/// Where something stands; both from 1, the column in bytes.
+/// A position in the text; both from 1, the column in bytes.
 struct Position {
   unsigned line = 1;
   unsigned column = 1;

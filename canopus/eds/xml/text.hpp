@@ -24,7 +24,7 @@ class Text {
   [[nodiscard]] Done set(pugi::xml_node element, std::string_view name, std::string_view value);
   /// Takes an attribute out; no such attribute: nothing happens.
   [[nodiscard]] Done remove(pugi::xml_node element, std::string_view name);
-  /// Takes an element out with all that is in it, and its line when nothing else stands there.
+  /// Removes an element with its contents, and its line if that has nothing else.
   [[nodiscard]] Done remove(pugi::xml_node element);
   /// Adds an element behind the last one in `parent`: on a line of its own and as far in, when the end of `parent` has
   /// one. Refused as set() does, and when there is no element in `parent` yet.
