@@ -1,7 +1,7 @@
 #pragma once
-// What is known of one bus: which identifier belongs to which node's service, and how PDOs are mapped. It
-// begins with the nodes' descriptions and learns from SDO traffic. The pre-defined connection set
-// [CiA 301 7.3.5] holds for what nothing is known of.
+// Identifiers and PDO mappings of one bus: which identifier belongs to which node's service, and how PDOs are
+// mapped. They come from the nodes' descriptions and are updated by SDO traffic. The default is the
+// pre-defined connection set [CiA 301 7.3.5].
 
 #include <array>
 #include <cstddef>
@@ -50,7 +50,7 @@ class BusKnowledge {
 
   [[nodiscard]] bool is_sync(FrameKey key) const { return key == 0x80 || sync_.contains(key); }
   [[nodiscard]] bool is_time(FrameKey key) const { return key == 0x100 || time_.contains(key); }
-  /// Node whose EMCY has this identifier; 0: no node's.
+  /// Node whose EMCY has this identifier; 0: none.
   [[nodiscard]] std::uint8_t emcy_producer(FrameKey key) const;
   [[nodiscard]] std::optional<SdoSide> sdo(FrameKey key) const;
   /// The PDO of this identifier. Of several the one that the pre-defined connection set would name, else one that is

@@ -41,7 +41,7 @@ class Decoder {
 
   /// Nodes as they were given.
   [[nodiscard]] const Names& names() const noexcept { return names_; }
-  /// What is known of a channel by now; nullptr before its first record.
+  /// The knowledge about a channel so far; nullptr before its first record.
   [[nodiscard]] const BusKnowledge* knowledge(std::uint16_t channel) const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// What a decoder keeps of one channel.
+// The state of a decoder for one channel.
 
 #include <bitset>
 #include <deque>

@@ -1,4 +1,4 @@
-// Frames of CiA 305 in words.
+// Frames of CiA 305 as text.
 
 #include <array>
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the decoder makes of a frame, or of the frames of one SDO transfer.
+// The decoded form of a frame, or of the frames of one SDO transfer.
 
 #include <cstdint>
 #include <optional>

@@ -29,7 +29,7 @@ struct Setting {
 
 /// A node of a bus.
 struct NodeDescription {
-  std::string bus{};                                                   ///< empty: whatever the channel
+  std::string bus{};                                                   ///< empty: any channel
   std::uint8_t node_id = 0;                                            ///< 1..127
   std::string name{};                                                  ///< for people; may be empty
   std::shared_ptr<const canopen::DictionaryDescription> dictionary{};  ///< nullptr: not known

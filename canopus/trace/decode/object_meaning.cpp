@@ -309,7 +309,7 @@ constexpr std::array meanings{
                "CiA 402-2"},
 };
 
-/// Objects whose sub-index 00H says how many there are.
+/// Objects whose sub-index 00H is the number of entries.
 constexpr bool has_count(std::uint16_t index) noexcept {
   constexpr std::array arrays{0x1003, 0x1010, 0x1011, 0x1016, 0x1018, 0x1020, 0x1028, 0x1029};
   return std::ranges::find(arrays, index) != arrays.end() || (index >= 0x1200 && index <= 0x1BFF) ||

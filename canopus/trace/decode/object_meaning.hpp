@@ -1,5 +1,5 @@
 #pragma once
-// What objects of CiA 301, CiA 302 and CiA 402 are for, in a sentence each: the description beside a value.
+// The purpose of objects of CiA 301, CiA 302 and CiA 402, in a sentence each: the description beside a value.
 
 #include <cstdint>
 #include <string>
@@ -13,7 +13,7 @@ struct ObjectMeaning {
   std::string_view source{};  ///< "CiA 301 7.5.2.20"
 };
 
-/// Of a sub-index; of those that are alike (1016H:03) what all of them are for.
+/// The meaning of a sub-index; of equal ones (1016H:03) their common meaning.
 [[nodiscard]] ObjectMeaning object_meaning(std::uint16_t index, std::uint8_t sub) noexcept;
 
 }  // namespace canopus::trace

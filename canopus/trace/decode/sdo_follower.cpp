@@ -47,7 +47,7 @@ SdoFollower::Step SdoFollower::follow(const can::Frame& frame, bool from_client,
     step.frame.kind = "abort";
     address(frame, step.frame);
     step.frame.abort_code = sdo::value(frame);
-    // An abort without a transfer, or of another object, may be 0000H:00 for one the sender does not know.
+    // An abort without a transfer, or of another object, may have 0000H:00 when its sender has no transfer.
     if (was_active) {
       transfer_.last = now;
       ++transfer_.frames;

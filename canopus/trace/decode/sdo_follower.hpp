@@ -49,7 +49,7 @@ struct SdoTransfer {
   can::Time last{};
 };
 
-/// What is kept of a long value.
+/// Most bytes that are kept of a long value.
 inline constexpr std::size_t most_sdo_data = 65536;
 
 class SdoFollower {

@@ -1,5 +1,5 @@
 #pragma once
-// The frames of the small services in words: NMT, EMCY, LSS, flying master, error frames.
+// The frames of the small services as text: NMT, EMCY, LSS, flying master, error frames.
 
 #include <cstdint>
 #include <string>

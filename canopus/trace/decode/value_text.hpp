@@ -1,5 +1,5 @@
 #pragma once
-// Values of objects in words.
+// Values of objects as text.
 
 #include <cstdint>
 #include <optional>

@@ -1,6 +1,6 @@
 #pragma once
-// The containers of a BLF file: what is in them, unpacked, as one stream of objects. Memory stays the same however
-// large a container says it is.
+// The containers of a BLF file: their unpacked contents as one stream of objects. Memory use does not depend
+// on the size that a container declares.
 
 #include <cstdint>
 #include <memory>
@@ -13,7 +13,7 @@ namespace canopus::trace {
 
 class BlfContainers {
  public:
-  /// `input` stands behind the header of the file.
+  /// `input` is positioned behind the header of the file.
   explicit BlfContainers(TraceInput input);
   ~BlfContainers();
   BlfContainers(const BlfContainers&) = delete;
@@ -21,7 +21,7 @@ class BlfContainers {
 
   /// The next bytes of the objects, 0 at their end. Objects outside of containers come as they are.
   std::size_t read(std::span<char> out);
-  /// What is wrong with the file, with its name and the offset; empty while nothing is.
+  /// The error of the file, with its name and the offset; empty: none.
   [[nodiscard]] const std::string& error() const noexcept { return error_; }
 
  private:

@@ -298,7 +298,7 @@ bool Line::read_screen_frame(CandumpEntry& entry) {
     skip_blanks();
     if (!read_byte(frame.data[byte])) return false;
   }
-  // What follows is the ASCII column, and what people write behind it.
+  // The rest is the ASCII column, and notes behind it.
   return at_end() || is_blank(peek()) || fail("a blank or the end of the line");
 }
 

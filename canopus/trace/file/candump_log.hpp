@@ -50,7 +50,7 @@ struct CandumpEntry {
   friend bool operator==(const CandumpEntry&, const CandumpEntry&) = default;
 };
 
-/// What is wrong with a line.
+/// The mistake of a line.
 struct CandumpError {
   std::size_t line = 0;    ///< as the caller counts them
   std::size_t column = 0;  ///< 1 = first character

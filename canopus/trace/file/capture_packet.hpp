@@ -20,7 +20,7 @@ inline constexpr std::uint32_t linktype_linux_sll2 = 276;
 inline constexpr std::uint32_t extended_flag = 0x8000'0000;
 inline constexpr std::uint32_t remote_flag = 0x4000'0000;
 inline constexpr std::uint32_t error_flag = 0x2000'0000;
-/// More of a packet need not be looked at: a cooked header and the largest CAN FD frame.
+/// The bytes of a packet that are read at most: a cooked header and the largest CAN FD frame.
 inline constexpr std::size_t capture_packet_room = 20 + 72;
 
 [[nodiscard]] constexpr bool holds_can(std::uint32_t linktype) noexcept {
@@ -28,14 +28,14 @@ inline constexpr std::size_t capture_packet_room = 20 + 72;
          linktype == linktype_linux_sll2;
 }
 
-/// Reads the packets of one capture. In a cooked packet the identifier stands in network order or, from libpcap
-/// before 1.9.1 or so, in the order of the host that recorded; what the packets so far looked like decides.
+/// Reads the packets of one capture. In a cooked packet the identifier is in network order or, from libpcap
+/// before 1.9.1 or so, in the order of the host that recorded; the packets so far decide.
 class CapturePackets {
  public:
   enum class Found : std::uint8_t { frame, no_classical_frame };
 
   explicit CapturePackets(std::endian host) : cooked_order_(host) {}
-  /// Fills frame, error_frame and, of a cooked packet, transmitted. The error says what was expected.
+  /// Fills frame, error_frame and, of a cooked packet, transmitted. The error names what was expected.
   [[nodiscard]] std::expected<Found, std::string> read(std::uint32_t linktype, std::string_view packet,
                                                        TraceRecord& record);
 

@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint32_t pcap_nanosecond_magic = 0xA1B2'3C4D;
 constexpr std::uint32_t longest_packet = 65535;
 
-/// A capture says by its magic number which byte order it is in: the host's.
+/// The magic number of a capture defines its byte order: the host's.
 template <typename T>
 std::uint8_t* put_host(std::uint8_t* out, T value) noexcept {
   const auto bytes = std::bit_cast<std::array<std::uint8_t, sizeof(T)>>(value);
@@ -25,7 +25,7 @@ std::uint8_t* put_frame(std::uint8_t* out, const TraceRecord& record) noexcept {
                                    (frame.extended && !record.error_frame ? extended_flag : 0U) |
                                    (frame.remote ? remote_flag : 0U);
   for (const int shift : {24, 16, 8, 0}) *out++ = static_cast<std::uint8_t>(identifier >> shift);
-  // A remote frame has no data but says the length it asks for.
+  // A remote frame has no data, but the length that it requests.
   *out++ = static_cast<std::uint8_t>(std::min<unsigned>(frame.dlc, 8));
   *out++ = 0;
   *out++ = 0;

@@ -1,5 +1,5 @@
 // The reader of traces as tables: python-can's (`arbitration_id`, data in base64) and our own (`id`, data in
-// hexadecimal). The head line says which columns there are; a spreadsheet may have put them in another order, and
+// hexadecimal). The head line names the columns; a spreadsheet may have put them in another order, and
 // semicolons between them.
 
 #include <algorithm>

@@ -35,8 +35,9 @@ inline constexpr std::array format_names{
 [[nodiscard]] std::string_view name_of(FileFormat format) noexcept;
 [[nodiscard]] std::optional<FileFormat> format_of_name(std::string_view name) noexcept;
 
-/// The format a file is written in, by its name: ".pcap", ".pcapng", ".asc", ".trc", ".csv"; ".log", ".candump",
-/// ".txt", a number (run.1) or no extension are candump. The error says which formats are written.
+/// The format a file is written in, by its name: ".pcap", ".pcapng", ".asc", ".trc", ".csv"; ".log",
+/// ".candump", ".txt", a number (run.1) or no extension are candump. The error lists the formats that can be
+/// written.
 [[nodiscard]] std::expected<FileFormat, std::string> trace_format_of(std::string_view path);
 
 }  // namespace canopus::trace

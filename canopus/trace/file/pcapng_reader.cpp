@@ -25,7 +25,7 @@ constexpr std::size_t most_interfaces = ChannelNames::max_channels;
 
 __extension__ using WideTicks = unsigned __int128;
 
-/// How an interface counts time.
+/// The time unit and offset of an interface.
 struct InterfaceClock {
   std::uint64_t ticks_per_second = 1'000'000;
   std::int64_t offset = 0;  ///< s

@@ -1,6 +1,6 @@
 #pragma once
-// What the readers of all formats share: the input, the channels, the count of what was left out. And how each of
-// them is made; open_trace() finds the format itself.
+// Common to the readers of all formats: the input, the channels, the count of skipped records. Also the
+// functions that create them; open_trace() detects the format.
 
 #include <cstddef>
 #include <cstdint>

@@ -35,7 +35,7 @@ class TextReader : public ReaderBase {
     record,
     nothing,   ///< an empty line, a head
     left_out,  ///< something else that was recorded
-    mistake,   ///< mistake_ says what was expected
+    mistake,   ///< mistake_ names what was expected
   };
   using ReaderBase::ReaderBase;
   [[nodiscard]] virtual Found read_line(std::string_view line, TraceRecord& record) = 0;

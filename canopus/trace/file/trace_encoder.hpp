@@ -1,5 +1,5 @@
 #pragma once
-// Records as the bytes of a trace file, whatever its format. Nothing is allocated for a record of a channel that has
+// Records as the bytes of a trace file of any format. Nothing is allocated for a record of a channel that has
 // been there before.
 
 #include <array>
@@ -24,12 +24,12 @@ class TraceEncoder {
   explicit TraceEncoder(FileFormat format, TrcVersion trc_version = TrcVersion::v2_1)
       : format_(format), trc_version_(trc_version) {}
 
-  /// What a file begins with before there is a record. All results stay valid until the next call.
+  /// The beginning of a file before its first record. All results stay valid until the next call.
   [[nodiscard]] std::string_view begin() noexcept;
-  /// The record, with a description of its channel or a head with the time of the first one before it where the
-  /// format has that. record.channel is not looked at.
+  /// The record, with a description of its channel or a head with the time of the first one before it where
+  /// the format has that. record.channel is ignored.
   [[nodiscard]] std::string_view encode(std::string_view channel, const TraceRecord& record) noexcept;
-  /// What a file ends with.
+  /// The end of a file.
   [[nodiscard]] std::string_view end() noexcept;
 
  private:

@@ -31,7 +31,7 @@ class TraceFile {
   ~TraceFile();
 
   void write(std::string_view channel, const can::Frame& frame, can::Time time) noexcept;
-  /// A record of another trace; record.channel is not looked at.
+  /// A record of another trace; record.channel is ignored.
   void write(std::string_view channel, const TraceRecord& record) noexcept;
   /// Hands everything written so far to the system, so that another program can read it.
   void flush() noexcept;

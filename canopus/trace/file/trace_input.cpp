@@ -31,7 +31,7 @@ bool is_pipe(int descriptor) {
   return ::fstat(descriptor, &status) == 0 && S_ISFIFO(status.st_mode);
 }
 
-/// Reads a file or pipe, for which it waits only as long as `keep_reading` wants.
+/// Reads a file or pipe; it waits for a pipe only while `keep_reading` returns true.
 class FileSource {
  public:
   FileSource(int number, std::string silent_name, KeepReading keep_reading)

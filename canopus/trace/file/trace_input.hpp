@@ -14,7 +14,7 @@
 
 namespace canopus::trace {
 
-/// Longest line that is read, in bytes; what is longer is no line of a trace.
+/// Longest line that is read, in bytes; a longer one is no line of a trace.
 inline constexpr std::size_t trace_max_line = 16384;
 
 /// Asked before each read from a file, and ten times a second while there is nothing to read; false ends the trace
@@ -44,14 +44,15 @@ class TraceInput {
 
   /// The next bytes, which stay unread: at least `size` unless the file ends before. Valid until the next call.
   [[nodiscard]] std::string_view peek(std::size_t size);
-  /// What is in the buffer after one more read from the source: waits for no more than that. Valid until the next call.
+  /// The buffer after one more read from the source; it does not wait for further data. Valid until the next
+  /// call.
   [[nodiscard]] std::string_view peek_more();
-  /// What is in the buffer. Valid until the next call.
+  /// The contents of the buffer. Valid until the next call.
   [[nodiscard]] std::string_view buffered() const noexcept;
-  /// Leaves out so many bytes; false if the file ends before.
+  /// Skips this number of bytes; false if the file ends before.
   bool skip(std::uint64_t size);
-  /// The next line without its end; nothing at the end of the file. A line longer than trace_max_line comes cut
-  /// and is_cut() says so; the rest of it is left out. Valid until the next call.
+  /// The next line without its end; nothing at the end of the file. A line longer than trace_max_line is cut,
+  /// and is_cut() is true then. Valid until the next call.
   [[nodiscard]] std::optional<std::string_view> line();
   [[nodiscard]] bool is_cut() const noexcept { return cut_; }
 

@@ -19,7 +19,8 @@ class TraceReader {
  public:
   virtual ~TraceReader() = default;
   /// The next record; nothing at the end of the file. An error names file and line (or offset) and what was
-  /// expected; the next call goes on after it where the format allows that, else it says the file has ended.
+  /// expected; the next call continues after it where the format allows that, else it returns the end of the
+  /// file.
   [[nodiscard]] virtual std::expected<std::optional<TraceRecord>, std::string> next() = 0;
   [[nodiscard]] virtual FileFormat format() const noexcept = 0;
   /// Channels named so far.

@@ -1,5 +1,5 @@
 #pragma once
-// One line of a trace, whatever its format.
+// One record of a trace of any format.
 
 #include <cstdint>
 
@@ -12,7 +12,7 @@ namespace canopus::trace {
 struct TraceRecord {
   can::Time time{};           ///< since the zero of the file: often 1970, or the start of the recording
   std::uint16_t channel = 0;  ///< counted from 0 in the order in which the file names them
-  bool transmitted = false;   ///< sent by the recording program itself ("Tx"), in formats that say so
+  bool transmitted = false;   ///< sent by the recording program itself ("Tx"), in formats that record this
   bool error_frame = false;   ///< `frame` holds class (identifier) and data of a SocketCAN error frame
   can::Frame frame{};
 

@@ -56,7 +56,7 @@ class TrcReader final : public TextReader {
   explicit TrcReader(TraceInput input) : TextReader(std::move(input), FileFormat::trc) {}
 
  private:
-  /// What one line says, by column.
+  /// The fields of one line, by column.
   struct Row {
     std::string_view number{}, offset{}, type{}, bus{}, identifier{}, direction{}, length{};
     Words data{""};

@@ -21,7 +21,7 @@ class Words {
   [[nodiscard]] std::string_view peek() const noexcept { return Words(*this).next(); }
   /// The rest of the line behind the words read so far, without the blanks before it.
   [[nodiscard]] std::string_view rest() const noexcept;
-  /// Where the word that next() gave begins, from 1.
+  /// The column of the last word of next(), from 1.
   [[nodiscard]] std::size_t column() const noexcept { return word_ + 1; }
 
  private:

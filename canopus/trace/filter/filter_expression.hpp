@@ -1,5 +1,5 @@
 #pragma once
-// What a person types to see some messages of many: "service=sdo,pdo node=3 !object=6000 position".
+// The filter expression that a user types: "service=sdo,pdo node=3 !object=6000 position".
 
 #include <expected>
 #include <optional>
@@ -15,13 +15,15 @@ class FilterExpression {
  public:
   static constexpr std::size_t longest = 1000;  ///< bytes
 
-  /// Terms apart by blanks are all to hold. A term is KEY=VALUE or KEY=VALUE,VALUE (one of them) with the keys node, service, object,
-  /// id, bus, from and to, which take what the options of `canopus trace show` take; `errors`: error frames, emergencies and SDO
-  /// transfers that did not succeed; or anything else, in "quotes" with blanks: text of the line, whatever its case. `!` before a
-  /// term: what it does not hold for. The error is a sentence that begins with the term.
+  /// Terms separated by blanks must all hold. A term is KEY=VALUE or KEY=VALUE,VALUE (one of them) with the
+  /// keys node, service, object, id, bus, from and to, which take what the options of `canopus trace show`
+  /// take; `errors`: error frames, emergencies and SDO transfers that did not succeed; or anything else, in
+  /// "quotes" with blanks: text of the line, in upper or lower case. `!` before a term negates it. The error
+  /// is a sentence that begins with the term.
   [[nodiscard]] static std::expected<FilterExpression, std::string> parse(std::string_view text);
 
-  /// `since`: from the beginning of the trace on. `line`: gives what stands in the line, called when a text is wanted.
+  /// `since`: from the beginning of the trace on. `line`: gives the text of the line; called only for a term
+  /// with a text.
   template <typename Line>
   [[nodiscard]] bool wants(const Message& message, std::string_view bus, can::Duration since,
                            const Line& line) const {
@@ -31,7 +33,7 @@ class FilterExpression {
     }
     return true;
   }
-  /// The same for what the options say; nothing after a mistake was printed on `err`.
+  /// The same from the options; nothing after a mistake was printed on `err`.
   [[nodiscard]] static std::optional<FilterExpression> make(const FilterOptions& options, text::Output& err);
   [[nodiscard]] bool wants_all() const noexcept { return terms_.empty(); }
 

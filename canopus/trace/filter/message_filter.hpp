@@ -1,5 +1,5 @@
 #pragma once
-// Which messages of a trace a person wants to see.
+// A filter for the messages of a trace.
 
 #include <cstdint>
 #include <expected>
@@ -25,7 +25,7 @@ struct FilterOptions {
   std::string expression{};  ///< filter_expression.hpp
 };
 
-/// What stands before a value in the sentence about a mistake.
+/// The name before a value in an error message.
 struct FilterNames {
   std::string_view node = "--only-node ";
   std::string_view service = "--service ";
@@ -45,7 +45,7 @@ class MessageFilter {
 
   /// `since`: from the first record of the trace on. Channels are ChannelChoice's.
   [[nodiscard]] bool wants(const Message& message, can::Duration since) const;
-  /// Nothing after this moment is wanted.
+  /// True when no later message can pass the filter.
   [[nodiscard]] bool is_over(can::Duration since) const { return to_ && since > *to_; }
 
  private:

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t widest_column = 32;
 
-/// A colour for what a person looks for.
+/// A colour for important messages.
 std::string_view colour_of(const Message& message) {
   switch (message.service) {
     case Service::emcy: return message.emcy_code.value_or(0) == 0 ? "32" : "31";

@@ -28,7 +28,7 @@ class MessagePrinter {
 
   /// `channel`: its name; empty: there is but one.
   void print(const Message& message, std::string_view channel);
-  /// What the time column counts from in TimeColumn::zero.
+  /// The zero of the time column in TimeColumn::zero.
   void set_zero(can::Time zero) { zero_ = zero; }
 
  private:
@@ -42,7 +42,7 @@ class MessagePrinter {
   std::size_t node_width_ = 12;
 };
 
-/// What texts of a filter are looked for in: bus, service, node, object, kind and meaning.
+/// The text that a filter's texts are searched in: bus, service, node, object, kind and meaning.
 [[nodiscard]] std::string searched_text(const Message& message, std::string_view bus);
 /// "6000:01 Digital inputs 1 to 8"; empty: there is none.
 [[nodiscard]] std::string object_text(const Message& message);

@@ -16,7 +16,7 @@ namespace canopus::trace {
 /// nullptr after the mistake was printed on `err`.
 [[nodiscard]] std::shared_ptr<const eds::DeviceFile> load_device_file(const std::string& path,
                                                                       text::Output& err);
-/// That a device file gives its node: of the DCF, else of the product.
+/// The node name of a device file: of the DCF, else of the product.
 [[nodiscard]] std::string node_name_of(const eds::DeviceFile& file);
 /// "3": 1 to 127.
 [[nodiscard]] std::optional<std::uint8_t> parse_node_id(std::string_view text) noexcept;

@@ -8,8 +8,8 @@
 
 namespace canopus::trace {
 
-/// How commands read traces, as a KeepReading: says on `err` that a named pipe is waited for, and goes on as
-/// long as `goes_on()`.
+/// A KeepReading for commands: prints on `err` that the command waits for a named pipe, and continues while
+/// `goes_on()` is true.
 inline std::function<bool(std::string_view)> wait_in_words(text::Output& err, std::function<bool()> goes_on) {
   return [&err, goes_on = std::move(goes_on)](std::string_view silent) {
     if (!silent.empty()) err.line("canopus: {}: waiting until a program writes to this named pipe", silent);

@@ -9,9 +9,9 @@
 
 namespace canopus::trace {
 
-/// Hands every record to `record`, with the name of its channel (empty: the file names none); false of it ends the walk.
-/// What is wrong in the file is said on `err`; a hundred such lines end it. Exit code: 0, 1 when the file is not whole,
-/// 2 when it cannot be opened.
+/// Hands every record to `record`, with the name of its channel (empty: the file names none); false of it
+/// ends the walk. Errors in the file are printed on `err`; a hundred such lines end it. Exit code: 0, 1 when
+/// the file is not whole, 2 when it cannot be opened.
 int walk_trace(const std::string& path, text::Output& err,
                const std::function<bool(const TraceRecord&, std::string_view channel)>& record);
 

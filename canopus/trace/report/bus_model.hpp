@@ -1,5 +1,5 @@
 #pragma once
-// One bus as other programs want to know it: its nodes by name, its PDOs with their signals.
+// One bus for export to other programs: its nodes by name, its PDOs with their signals.
 
 #include <cstdint>
 #include <string>

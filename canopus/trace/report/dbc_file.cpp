@@ -24,8 +24,8 @@ std::string pdo_name(const ModelPdo& pdo) {
   return fmt::format("{}PDO{}", pdo.transmit ? "T" : "R", pdo.number);
 }
 
-/// "Read input 8-bit: Digital inputs 1 to 8" is longer than an identifier: the sub-index's own name says more. Of
-/// "Input network variable unsigned 16 [09]" only the end differs from its neighbours.
+/// "Read input 8-bit: Digital inputs 1 to 8" is longer than an identifier: the sub-index's own name is the
+/// more specific part. Of "Input network variable unsigned 16 [09]" only the end differs from its neighbours.
 std::string short_name(std::string_view name) {
   constexpr std::size_t room = 32;
   const std::size_t end_of_object = name.find(": ");

@@ -13,8 +13,8 @@
 namespace canopus::trace {
 namespace {
 
-// The fields of Wireshark's own CANopen dissector are there with `-d can.subdissector,canopen`. The bytes of a frame follow four
-// octets behind the beginning of can.len, whatever the capture's link type.
+// The fields of Wireshark's own CANopen dissector are there with `-d can.subdissector,canopen`. The bytes of
+// a frame follow four octets behind the beginning of can.len, for every link type.
 constexpr std::string_view program = R"lua(
 local plant = Proto("canopus", title)
 local field_node = ProtoField.uint8("canopus.node", "Node-ID")
@@ -112,7 +112,7 @@ std::string objects_table(const NodeDescription& node) {
   std::string table;
   if (!node.dictionary) return table;
   for (const canopen::ObjectDescription& object : node.dictionary->objects()) {
-    // Alike sub-indexes share a name: the first ones say enough.
+    // Equal sub-indexes share a name: the first ones are enough.
     const unsigned highest = object.uniform ? std::min<unsigned>(object.highest_sub, 64) : object.highest_sub;
     for (unsigned sub = 0; sub <= highest; ++sub) {
       const auto entry = node.dictionary->find(object, static_cast<std::uint8_t>(sub));

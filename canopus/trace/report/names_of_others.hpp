@@ -10,7 +10,7 @@ namespace canopus::trace {
 
 /// The text as UTF-8 without what is no text: each octet that is none, and each control character, is a '?'.
 [[nodiscard]] std::string plain_text(std::string_view text);
-/// The beginning of a text, so many characters at most.
+/// The beginning of a text, at most this number of characters.
 [[nodiscard]] std::string clipped_text(std::string_view text, std::size_t characters);
 /// plain_text() for XML.
 [[nodiscard]] std::string xml_text(std::string_view text);

@@ -123,7 +123,7 @@ void Statistics::count_identifier(ChannelFigures& channel, const Message& messag
 }
 
 void Statistics::heartbeat(NodeFigures& node, const Message& message, const Decoder& decoder) {
-  // A node that boots begins anew: the time it was away is no lost heartbeat.
+  // A boot-up restarts the supervision: the node's downtime is no lost heartbeat.
   const bool boots = message.kind == "boot-up";
   if (!boots) ++node.heartbeats;
   if (const BusKnowledge* const known = decoder.knowledge(message.channel)) {
