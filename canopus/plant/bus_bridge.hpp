@@ -1,5 +1,5 @@
 #pragma once
-// Frames that come from one bus of a plant to another, as a CAN bridge lets them through.
+// Forwards frames between two buses of a plant, like a CAN bridge.
 
 #include <cstdint>
 
@@ -19,7 +19,7 @@ class BusBridge {
             PlantObserver& observer);
 
  private:
-  /// One side. What it hears goes to the other one, if frames pass in that direction.
+  /// One side. It forwards received frames to the other one, if frames pass in that direction.
   class Side final : public can::Participant {
    public:
     Side(BusBridge& bridge, can::Bus& bus, can::Timeline& timeline);

@@ -1,6 +1,6 @@
 #pragma once
-// What happens in one part of a plant, on its way to the plant's observer: at once, or, while the part runs apart from the
-// others, afterwards in the order of all.
+// Forwards the events of one partition to the plant's observer: at once, or, while the partition runs
+// independently, later in the order of all partitions.
 
 #include <memory>
 #include <span>
@@ -18,7 +18,8 @@ class DeferredEvents final : public PlantObserver {
   DeferredEvents(PlantObserver& observer, const can::Timeline& timeline)
       : observer_(observer), timeline_(timeline) {}
 
-  /// Hands on what was held back, of all parts, as if they had run together. To be called when they have met.
+  /// Delivers the deferred events of all partitions, as if they had run together. Call it when the partitions
+  /// have joined.
   static void release(std::span<const std::unique_ptr<DeferredEvents>> parts);
 
   void on(const Event& event) override;

@@ -55,7 +55,7 @@ DeviceOnBus::InitialNode DeviceOnBus::initial_node() {
   const auto& description = device_.file().dictionary;
   InitialNode node{.node_id = node_id, .objects = canopen::ObjectDictionary(description, node_id)};
   if (store_ == nullptr) return node;
-  // What of the store counts is the node's to say: one that nobody hears.
+  // A node without a bus decides which values of the store are valid.
   struct Nowhere final : can::Sink {
     bool send(const can::Frame&) override { return true; }
   } nowhere;
@@ -131,7 +131,7 @@ void DeviceOnBus::value_released(const canopen::Entry& entry, can::Time now) {
   observer_.on({now, ObjectReleased{forced_object(entry)}});
 }
 
-// The controller is set up anew, too: nothing from before follows.
+// The controller restarts, too: frames queued before are dropped.
 void DeviceOnBus::reset_requested(canopen::NmtCommand, can::Time) { port_.abort_transmissions(); }
 
 void DeviceOnBus::look_closer(can::Time now) {

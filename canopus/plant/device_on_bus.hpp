@@ -23,14 +23,13 @@ class DeviceOnBus final : public can::Participant, private canopen::NodeListener
               can::Port& port, PlantObserver& observer);
 
   sim::Device& device() noexcept { return device_; }
-  /// What there is to say of a value that is or was forced.
+  /// The report of a value that is or was forced.
   [[nodiscard]] ForcedObject forced_object(const canopen::Entry& entry, can::Time until = can::never) const;
-  /// Where the device keeps what 1010H saves. To be called before power_on().
+  /// The store of what 1010H saves. Call it before power_on().
   void set_store(std::unique_ptr<store::ParameterFile> store);
-  /// LSS slave, what it has to store goes there (nullptr: does not survive the run). To be called before
-  /// power_on().
+  /// Makes it an LSS slave with this non-volatile memory (nullptr: volatile). Call it before power_on().
   void enable_lss(std::unique_ptr<store::ParameterFile> store);
-  /// To be notified when the node-ID changes.
+  /// `watch` is notified when the node-ID changes.
   void set_watch(NodeRegistry& watch) noexcept { watch_ = &watch; }
   NodeStatus& status() noexcept { return status_; }
   const NodeStatus& status() const noexcept { return status_; }
@@ -40,7 +39,7 @@ class DeviceOnBus final : public can::Participant, private canopen::NodeListener
     std::uint8_t node_id = 0;  ///< FFH: none
     canopen::ObjectDictionary objects;
   };
-  /// Changes nothing. To be called before power_on().
+  /// Changes nothing. Call it before power_on().
   [[nodiscard]] InitialNode initial_node();
 
   void power_on(can::Time now);
@@ -70,7 +69,7 @@ class DeviceOnBus final : public can::Participant, private canopen::NodeListener
   void look_at_lss(can::Time now);
   void accept();
 
-  // What each tick needs lies in the first cache line, and in one of the device.
+  // Members that each tick needs are in the first cache line, and in one of the device.
   std::uint32_t accepted_revision_ = 0;
   bool is_unplugged_ = false;
   NodeStatus status_;

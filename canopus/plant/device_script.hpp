@@ -1,6 +1,6 @@
 #pragma once
-// Scripts and playbacks of a plant file for a device: what they say is looked up in the device, and every
-// mistake is found.
+// Scripts and playbacks of a plant file for a device: their objects are looked up in the device, and every
+// mistake is reported.
 
 #include <expected>
 #include <string>
@@ -20,7 +20,7 @@ namespace canopus::plant {
 [[nodiscard]] std::vector<text::FileError> add_scripts(sim::Device& device,
                                                        const std::vector<ScriptSection>& scripts);
 
-/// What is wrong with a CSV text, and where.
+/// The mistake of a CSV text, and its place.
 struct CsvProblem {
   unsigned line = 0;    ///< from 1
   unsigned column = 0;  ///< in octets, from 1

@@ -1,5 +1,5 @@
 #pragma once
-// The CANopen nodes of a plant as they come up: for who names the frames of its buses.
+// The CANopen nodes of a plant at power-on, to decode the frames of its buses.
 
 #include <cstdint>
 #include <string>

@@ -24,9 +24,9 @@ class LiftOnBus final : private sim::lift::LiftDevices, private sim::lift::LiftO
   [[nodiscard]] std::shared_ptr<const eds::DeviceFile> device_file(std::size_t unit) const {
     return sim::lift::device_file(building_.units()[unit]);
   }
-  /// The device of the next unit. To be called for all of them before power_on().
+  /// Adds the device of the next unit. Call it for all units before power_on().
   void add_unit(DeviceOnBus& seat);
-  /// Hears everything, too, from now on; must outlive the plant's run.
+  /// An additional observer of all events; it must outlive the plant's run.
   void set_listener(sim::lift::LiftObserver* listener) noexcept { listener_ = listener; }
 
  private:

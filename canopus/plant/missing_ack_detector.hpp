@@ -4,14 +4,14 @@
 
 namespace canopus::plant {
 
-/// Notices on a bus that nobody acknowledges a controller's frames: it is alone there.
+/// Detects on a bus that a controller's frames get no acknowledge: it is the only node there.
 class MissingAckDetector {
  public:
   /// As BusObserver::error_detected(). True once, when the frames of one port stayed without acknowledgement
-  /// for so many attempts in a row; then again only after somebody completed a frame.
+  /// for attempts_that_count attempts in a row; then again only after a frame was transmitted.
   bool error_detected(const can::Port& port, can::BusError error) noexcept {
     const bool unacknowledged = error == can::BusError::acknowledgement;
-    // What a listener makes of it says nothing of the sender.
+    // Errors of a receiver do not count for the transmitter.
     if (reported_ || (!unacknowledged && &port != port_)) return false;
     attempts_ = !unacknowledged ? 0 : &port == port_ ? attempts_ + 1 : 1;
     port_ = &port;

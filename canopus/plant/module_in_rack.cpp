@@ -129,7 +129,7 @@ ModuleStatus ModuleInRack::module_status(can::Time now) const {
 
 std::optional<ModuleTrouble> ModuleInRack::trouble(can::Time now) const {
   std::string text = exchange_watch_.trouble(now);
-  const bool works_by_registers = module_->registers() != nullptr;  // whatever the CPU does
+  const bool works_by_registers = module_->registers() != nullptr;  // in RUN and STOP
   if (rack_.cpu_state() == module::CpuState::stop && status_.is_on && !works_by_registers) {
     text = "no process data are exchanged: the CPU is in STOP";
   } else if (rack_.is_paused() && section_.exchange) {
@@ -158,7 +158,7 @@ std::string ModuleInRack::not_started() const {
 
 void ModuleInRack::receive(const can::Frame& frame, can::Time now) {
   module_->receive(frame, now);
-  // Most frames on a bus carry process data, and then there is nothing to look for.
+  // Most frames on a bus carry process data, and change no state of the module.
   if (module_->change_count() != changes_seen_ || !watched_.empty()) look(now);
 }
 

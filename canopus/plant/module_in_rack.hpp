@@ -1,6 +1,6 @@
 #pragma once
-// A communication module in its slot: what happens to it is passed on, what changes is reported to the
-// plant's observer, and the built-in PLC program works with it as the plant file says.
+// A communication module in its slot: forwards events to it, reports its changes to the plant's observer, and
+// connects the built-in PLC program as the plant file defines.
 
 #include <array>
 #include <cstdint>
@@ -47,10 +47,10 @@ class ModuleInRack final : public can::Participant, public module::ModuleObserve
   /// Adds the slaves that this module boots as the active NMT master.
   void collect_boots(std::vector<SlaveBoot>& all) const;
 
-  /// As a PLC program sees it.
+  /// The status that a PLC program can read.
   [[nodiscard]] ModuleStatus module_status(can::Time now) const;
 
-  /// What keeps the module's process data from being exchanged, if anything.
+  /// The reason why the module does not exchange process data, if any.
   [[nodiscard]] std::optional<ModuleTrouble> trouble(can::Time now) const;
 
   void supply_changed(bool on, can::Time now) override;
@@ -75,12 +75,12 @@ class ModuleInRack final : public can::Participant, public module::ModuleObserve
   void look_after_stop(can::Time now);
   [[nodiscard]] std::string not_started() const;
 
-  /// What the CPU's STOP has done to the module's NMT state.
+  /// The effect of the CPU's STOP on the module's NMT state.
   enum class AfterStop : std::uint8_t {
     nothing,
     stopped,      ///< the CPU is in STOP, and took the module out of Operational
-    not_started,  ///< it is in RUN again, and nobody has started the module
-    reported,     ///< likewise, and the observer knows
+    not_started,  ///< it is in RUN again, and the module was not started
+    reported,     ///< likewise, and it was reported to the observer
   };
 
   struct BootSeen {

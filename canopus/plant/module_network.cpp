@@ -30,7 +30,8 @@ struct ModuleNetwork::Direction {
 
 namespace {
 
-/// "G10000-G10003", of `count` words from number `word` on; "G18-G19, G100-G101" where they do not lie together.
+/// "G10000-G10003", of `count` words from number `word` on; "G18-G19, G100-G101" where they are not
+/// consecutive.
 std::string words_text(const module::DataExchangeLayout& layout, module::BufferAddress base,
                        std::uint32_t word, std::uint32_t count) {
   const module::BufferAddress first = layout.address(base, word);

@@ -19,7 +19,8 @@
 
 namespace canopus::plant {
 
-/// A slave as its master's engineer knows it: from its device file, or from the settings of another module.
+/// A slave's description for its master's configuration: from its device file, or from the settings of
+/// another module.
 struct SlaveDescription {
   std::string_view name{};
   eds::Identity identity{};
@@ -49,9 +50,9 @@ class ModuleNetwork {
                                                        std::string_view name, bool every_link) {
     return add_slave(slave, SlaveDescription::of(file, slave.node, name), every_link);
   }
-  /// 1F80H bit 0: the module is the NMT master. To be called last.
+  /// 1F80H bit 0: the module is the NMT master. Call it last.
   void become_master();
-  /// What was connected, a line each.
+  /// The connections made, a line each.
   [[nodiscard]] const std::vector<std::string>& connections() const noexcept { return connections_; }
   /// Slaves of which nothing was connected, and PDOs that the module has no place for, with the reason.
   [[nodiscard]] const std::vector<std::string>& left_out() const noexcept { return left_out_; }

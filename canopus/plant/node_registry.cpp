@@ -33,7 +33,7 @@ void NodeRegistry::frame_completed(const can::Frame& frame, can::Time /*start*/,
   if (function == canopen::cob_id::error_control || function == canopen::cob_id::emcy) hear(frame, end);
 }
 
-/// What has an identifier of error control or EMCY.
+/// Handles a frame with an identifier of error control or EMCY.
 void NodeRegistry::hear(const can::Frame& frame, can::Time end) {
   const bool is_of_emcy = (frame.identifier & 0x780) == canopen::cob_id::emcy;
   const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
@@ -83,7 +83,7 @@ void NodeRegistry::know_number(NodeStatus& status) {
   if (node_id >= 1 && node_id <= 127) known_[node_id] = &status;
 }
 
-/// Everybody of the plant is in a Layer 2 mode: identifiers mean nothing.
+/// All nodes of the plant are in a Layer 2 mode: identifiers have no CANopen meaning.
 bool NodeRegistry::is_plain_can() const {
   return !occupants_.empty() && std::ranges::none_of(occupants_, [](const Occupant& occupant) {
     return occupant.status->layer2 == module::Layer2State::inactive;

@@ -1,5 +1,5 @@
 #pragma once
-// What the nodes of a bus say of themselves, heard on the bus.
+// NMT states and emergencies of the nodes of a bus, as received on it.
 
 #include <array>
 #include <cstdint>
@@ -18,15 +18,15 @@ namespace canopus::plant {
   return !frame.extended && !frame.remote && frame.identifier >= 0x180 && frame.identifier < 0x580;
 }
 
-/// Reports what the nodes of a bus say of themselves, those outside of this process included.
+/// Reports boot-ups, NMT states and emergencies of all nodes of a bus, external ones included.
 class NodeRegistry final : public can::BusObserver {
  public:
   NodeRegistry(std::string_view bus, PlantObserver& observer) : bus_(bus), observer_(observer) {}
-  /// Somebody of the plant on this bus.
+  /// Registers a node of the plant on this bus.
   void know(NodeStatus& status, const can::Port& port);
   /// The node has this node-ID from now on (FFH: none).
   void renumber(NodeStatus& status, std::uint8_t node_id);
-  /// Who has this node-ID (1..127) on the bus.
+  /// The label of the node with this node-ID (1..127) on the bus.
   [[nodiscard]] NodeLabel label(std::uint8_t node_id) const;
 
   void frame_completed(const can::Frame& frame, can::Time start, can::Time end) override;

@@ -1,6 +1,6 @@
 #pragma once
-// A plant that runs: the buses, devices, racks and modules of a plant file, on one timeline. Whoever drives
-// the timeline (run_loop.hpp) decides whether time is virtual or real; the plant neither knows nor cares.
+// A plant that runs: the buses, devices, racks and modules of a plant file, on one timeline. The driver of
+// the timeline (run_loop.hpp) decides whether time is virtual or real; the plant does not depend on it.
 
 #include <cstdint>
 #include <expected>
@@ -57,7 +57,7 @@ struct PlantFile;
 struct PlcSection;
 struct SlaveBoot;
 
-/// Who a node is, for people.
+/// The designation of a node in messages.
 struct NodeLabel {
   std::string_view bus;
   std::string_view name;  ///< from the plant file, or the product's; empty for a node outside of the plant
@@ -65,13 +65,13 @@ struct NodeLabel {
   std::uint8_t node_id = 0;
 };
 
-/// A value of a device that somebody forces.
+/// A forced value of a device.
 struct ForcedObject {
   NodeLabel device;
   std::string object;     ///< "6000:01"
   std::string_view name;  ///< of the parameter, from the device file
   canopen::DataType type = canopen::DataType::none;
-  std::uint64_t value = 0;       ///< bit pattern that everybody sees
+  std::uint64_t value = 0;       ///< effective bit pattern
   can::Time until = can::never;  ///< released then; never: not by itself
 };
 
@@ -101,12 +101,12 @@ class PlantObserver {
 
 /// A node as the live table and the summary show it.
 struct NodeStatus {
-  // What is looked at with each frame comes first.
+  // Members that are read for each frame come first.
   canopen::NmtState state = canopen::NmtState::initialising;
   bool is_on = false;
   bool is_module = false;
   module::Layer2State layer2 = module::Layer2State::inactive;
-  bool is_cut_off = false;  ///< it is on, and hears nothing of its simulated bus: see sim::Bus::is_cut_off()
+  bool is_cut_off = false;  ///< on, but receives nothing from its simulated bus: sim::Bus::is_cut_off()
   can::ErrorState error_state = can::ErrorState::error_active;  ///< of its controller
   std::uint16_t transmit_errors = 0;                            ///< TEC
   std::uint16_t receive_errors = 0;                             ///< REC
@@ -118,7 +118,7 @@ struct NodeStatus {
   NodeLabel label;
 };
 
-/// A module as a PLC program sees it.
+/// The status of a module that a PLC program can read.
 struct ModuleStatus {
   struct Word {
     std::uint32_t address = 0;
@@ -138,8 +138,8 @@ struct ModuleStatus {
   module::StartUp start_up = module::StartUp::none;  ///< of its network, as the active NMT master
 };
 
-/// What keeps the process data of a module of the plant from being exchanged, while its NMT state may look
-/// well.
+/// The reason why a module of the plant does not exchange process data, although its NMT state may be
+/// Operational.
 struct ModuleTrouble {
   NodeLabel module;
   std::string text;  ///< what is wrong, since when, and the way back; for a person
@@ -163,7 +163,8 @@ class Plant {
  public:
   /// Opens the device files and builds everything that is usable, switched off. Errors name the line of the
   /// plant file; notes of device files that were repaired are not among them (`canopus eds check` shows
-  /// those). `seed` replaces the file's. Without an opener every bus is simulated, which is enough to look at a plant.
+  /// those). `seed` replaces the file's. Without an opener every bus is simulated, which is enough to inspect
+  /// a plant.
   [[nodiscard]] static std::expected<std::unique_ptr<Plant>, std::vector<text::FileError>> build(
       PlantFile file, PlantObserver& observer, std::optional<std::uint64_t> seed = std::nullopt,
       BusOpener* opener = nullptr);
@@ -171,25 +172,27 @@ class Plant {
   Plant(const Plant&) = delete;
   Plant& operator=(const Plant&) = delete;
 
-  /// Takes the `store` folders for this plant alone, until it ends. To be called before power_on() by whoever
-  /// runs a plant; who only looks at one leaves them alone. Errors name the line of the plant file.
+  /// Locks the `store` folders for this plant until it ends. Call it before power_on() to run a plant; not
+  /// needed to inspect one. Errors name the line of the plant file.
   [[nodiscard]] std::vector<text::FileError> open_stores();
 
   /// Switches everything on at the timeline's now; devices with a later start follow by themselves.
   void power_on();
 
-  /// Of the whole. Parts of a plant that share nothing (buses that no rack and no bridge joins) are parts of it
-  /// (can::Timeline::add_partition), and may run apart up to a moment; then parts_met() is due.
+  /// The timeline of the whole plant. Parts that share nothing (buses that no rack and no bridge joins) are
+  /// its partitions (can::Timeline::add_partition), and may run independently up to a moment; then call
+  /// parts_met().
   [[nodiscard]] can::Timeline& timeline() noexcept;
-  /// That who is on this bus lives on: its part's.
+  /// The timeline of the nodes on this bus: that of its partition.
   [[nodiscard]] can::Timeline& timeline_of_bus(std::size_t number) noexcept;
-  /// Where what happens on this bus is to be reported: it comes to the plant's observer in the order of all parts.
+  /// The observer for events of this bus: they reach the plant's observer in the order of all partitions.
   [[nodiscard]] PlantObserver& observer_of_bus(std::size_t number) noexcept;
-  /// Every part has run apart up to `now`: the observer hears what happened meanwhile, as if they had run together.
+  /// All partitions have run up to `now`: delivers their events to the observer in order of time, as if they
+  /// had run together.
   void parts_met(can::Time now);
   [[nodiscard]] const std::string& name() const noexcept;
   [[nodiscard]] const PlantFile& file() const noexcept;
-  /// What a person should know of the plant file, in its order.
+  /// Warnings about the plant file, in its order.
   [[nodiscard]] const std::vector<text::FileWarning>& warnings() const noexcept;
   [[nodiscard]] std::size_t bus_count() const noexcept;
   [[nodiscard]] can::Bus& bus(std::size_t number) noexcept;
@@ -211,22 +214,22 @@ class Plant {
   [[nodiscard]] std::vector<NodeStatus> nodes() const;
   /// All modules, in the order of the plant file.
   [[nodiscard]] std::vector<ModuleStatus> modules() const;
-  /// The module of that number there, to be looked at.
+  /// The module of that number there, to inspect it.
   [[nodiscard]] module::CommunicationModule& module(std::size_t number) noexcept;
   [[nodiscard]] const ModuleSection& module_section(std::size_t number) const noexcept;
-  /// What module diagnostics show of the module of that number.
+  /// The errors of the module of that number in module diagnostics.
   [[nodiscard]] std::vector<module::ModuleErrorRecord> module_errors(std::size_t module) const;
   /// Every slave that an active NMT master of the plant boots or has booted, by master and node-ID.
   [[nodiscard]] std::vector<SlaveBoot> boots() const;
-  /// A part of the plant asked for one moment without end and was stopped (can::Timeline::Stall): what the
-  /// run shows from there on is not to be trusted. The observer has had its error().
+  /// A participant requested ticks at one moment endlessly and was stopped (can::Timeline::Stall): the
+  /// results of the run from there on are invalid. The observer has had its error().
   [[nodiscard]] bool has_stalled() const noexcept;
-  /// Modules whose process data stand still.
+  /// Modules that do not exchange process data.
   [[nodiscard]] std::vector<ModuleTrouble> troubles() const;
   /// "U0\G10000 <- node 3 (encoder) TPDO1, 2 words": how process data are connected.
   [[nodiscard]] const std::vector<std::string>& connections() const noexcept;
 
-  struct Parts;  // known to plant.cpp alone
+  struct Parts;  // defined in plant.cpp
 
  private:
   Plant();

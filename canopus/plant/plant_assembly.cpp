@@ -200,8 +200,8 @@ can::Port& Assembly::add_port(const DeviceSection& section, std::uint8_t node_id
   return port;
 }
 
-/// What the device saves, and what LSS stores, by the node-ID it has by its factory settings, or if that is none, by its
-/// LSS address.
+/// Gives a device its non-volatile memory, for 1010H and LSS, named by its factory node-ID, or if that is
+/// none, by its LSS address.
 void Assembly::give_memory(const DeviceSection& section, std::uint8_t node_id, DeviceOnBus& seat) {
   const eds::DeviceFile& file = seat.device().file();
   const bool is_unconfigured = node_id == lss::unconfigured;

@@ -29,7 +29,7 @@ namespace canopus::plant {
 [[nodiscard]] std::vector<text::FileError> preset_words(module::CommunicationModule& module,
                                                         const module::DataSheet& data_sheet,
                                                         const ModuleSection& section, const BusSection& bus);
-/// Its objects, over whatever set some of them before.
+/// Sets its objects; this overrides earlier settings.
 [[nodiscard]] std::vector<text::FileError> preset_objects(module::CommunicationModule& module,
                                                           const ModuleSection& section);
 /// Words and objects of the engineering tools' parameters, and whether refresh fits.

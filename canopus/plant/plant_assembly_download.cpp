@@ -1,4 +1,4 @@
-// What a configuration tool has downloaded for a module: the node list, as EDS files describe the slaves.
+// The download of a configuration tool for a module: the node list, with slaves by their EDS files.
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-// What nodes of one bus have to do with each other: slaves of a module, and how they all fit together.
+// Relations between nodes of one bus: slaves of a module, and checks across all nodes.
 
 #include <algorithm>
 #include <set>
@@ -12,7 +12,7 @@
 
 namespace canopus::plant {
 
-/// How the nodes of each bus fit together.
+/// Checks how the nodes of each bus fit together.
 // One bus after the other: each node's dictionary is made for it.
 void Assembly::review_buses() {
   for (const BusSection& section : parts_.file.buses) {
@@ -90,7 +90,7 @@ void Assembly::configure_network(const ModuleSection& section, module::Communica
     if (complete_ && slave.usable && !found.contains(&slave)) add_outside_slave(section, slave, network);
   }
   network.become_master();
-  (void)preset_objects(module, section);  // what the plant file says of an object wins
+  (void)preset_objects(module, section);  // the plant file overrides
   for (const std::string& line : network.connections()) parts_.connections.push_back(line);
   for (const std::string& line : network.left_out()) {
     warn(section.slaves_place, "slaves = \"all\" {}", line);
@@ -203,7 +203,7 @@ void Assembly::add_outside_slave(const ModuleSection& master, const SlaveSection
   errors_.add(network.add_slave(slave, description, true));
 }
 
-/// The bus is as long as its file says, and its nodes are where it says.
+/// Applies the bus length and the node positions of the plant file.
 void Assembly::set_line(const BusSection& section, sim::Bus* bus) {
   if (!section.line || !section.line->is_exact || !complete_) return;
   const LineSection& line = *section.line;

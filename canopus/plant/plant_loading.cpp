@@ -51,7 +51,7 @@ bool change_link(PlantFile& plant, std::string_view text, text::Output& err) {
     bus = &plant.buses.front();
   }
   if (bus->link_by_option) return wrong("this bus has a --link already");
-  // A path of the command line is meant from where the user is, not from the plant file.
+  // A path of the command line is relative to the working directory, not to the plant file.
   constexpr std::string_view replay = "replay:";
   std::error_code unknown;
   if (link.starts_with(replay) && link.size() > replay.size()) {
@@ -84,7 +84,7 @@ std::unique_ptr<Plant> load_plant(const std::string& path, PlantObserver& observ
     if (!plant) errors.insert(errors.end(), plant.error().begin(), plant.error().end());
     if (errors.empty()) return std::move(*plant);
   }
-  // A text that nobody wrote has no lines that somebody could look at.
+  // A generated text has no lines that a user could open.
   if (use.text) std::ranges::for_each(errors, [](text::FileError& error) { error.place = {}; });
   text::print_errors(std::move(errors), path, err);
   return nullptr;

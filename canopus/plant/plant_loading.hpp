@@ -13,7 +13,7 @@
 
 namespace canopus::plant {
 
-/// What a command changes of a plant file.
+/// Changes of a plant file by a command.
 struct PlantUse {
   std::optional<std::uint64_t> seed{};
   std::vector<std::string> links{};   ///< "line1=socketcan:can0"; with one bus "socketcan:can0"

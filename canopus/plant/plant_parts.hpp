@@ -1,5 +1,5 @@
 #pragma once
-// What a plant consists of, and how it is put together from its file.
+// The components of a plant, and its construction from its file.
 
 #include <algorithm>
 #include <atomic>
@@ -48,7 +48,7 @@ struct Plant::Parts {
   std::optional<PlantStores> stores;
   std::atomic<bool> has_stalled = false;
 
-  /// Of a part. A plant that is one part is on the timeline of the whole.
+  /// The timeline of a partition. A plant with one partition uses the timeline of the whole.
   can::Timeline& timeline_of(std::size_t part) {
     return timeline.partition_count() == 0 ? timeline : timeline.partition(part);
   }

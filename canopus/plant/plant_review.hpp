@@ -1,7 +1,7 @@
 #pragma once
-// What no section of a plant file can see of itself: how the nodes of a bus fit together when they are switched
-// on, as their device files, the plant file and their stores say. Nothing here keeps a plant from starting;
-// each finding is true for the plant at hand, and says what will not happen, and why.
+// Checks across the sections of a plant file: how the nodes of a bus fit together at power-on, by their
+// device files, the plant file and their stores. No finding prevents the start of a plant; each one is
+// certain for this plant, and states what will not work, and why.
 
 #include <cstdint>
 #include <set>
@@ -45,12 +45,12 @@ struct ReviewedNode {
 [[nodiscard]] ReviewedNode reviewed(const ModuleSection& section, std::string_view name,
                                     module::CommunicationModule::InitialNode node);
 
-/// The nodes of a bus that speak CANopen.
+/// The CANopen nodes of a bus.
 struct ReviewedBus {
   std::string_view name;
   std::vector<ReviewedNode> nodes{};
   bool may_have_others = false;         ///< other programs can be nodes of it, too
-  bool has_plain_can = false;           ///< a module in a Layer 2 mode sends what its program wants
+  bool has_plain_can = false;           ///< a module in a Layer 2 mode may send any frame
   std::set<std::uint8_t> configured{};  ///< nodes whose objects a master writes before they start
 };
 
@@ -64,17 +64,17 @@ struct ReviewedBus {
 [[nodiscard]] const ReviewedNode* find(const ReviewedBus& bus, std::uint8_t node_id) noexcept;
 /// A device waits for its node-ID, which may be any.
 [[nodiscard]] bool has_unconfigured(const ReviewedBus& bus) noexcept;
-/// A program outside of the plant is probably the NMT master here, or a module's program sends frames: what they
-/// send and configure cannot be known.
+/// A program outside of the plant is probably the NMT master here, or a module's program sends frames: its
+/// frames and settings are unknown.
 [[nodiscard]] bool has_unknown_senders(const ReviewedBus& bus) noexcept;
-/// 1F80H. A device's is 0: as a slave it does what its file says, only modules become masters.
+/// 1F80H. A device's is 0: a device is always a slave, only modules become masters.
 [[nodiscard]] std::uint32_t start_up_of(const ReviewedNode& node) noexcept;
 /// `objects` of its section has this one.
 [[nodiscard]] bool is_set_by_plant_file(const ReviewedNode& node, std::uint16_t index,
                                         std::uint8_t sub) noexcept;
 /// Its file is a DCF that was made for its node-ID.
 [[nodiscard]] bool is_dcf_for(const ReviewedNode& node) noexcept;
-/// Where the plant file sets the object; else where the node begins.
+/// The place where the plant file sets the object; else the node's.
 [[nodiscard]] text::Place place_of(const ReviewedNode& node, std::uint16_t index, std::uint8_t sub) noexcept;
 
 using Warnings = std::vector<text::FileWarning>;
@@ -83,13 +83,13 @@ using Warnings = std::vector<text::FileWarning>;
 
 /// COB-IDs that no node uses, because CiA 301 restricts their CAN-ID.
 void find_restricted_identifiers(const ReviewedBus& bus, Warnings& warnings);
-/// Synchronous PDOs of a node that hears no SYNC: nobody produces it, or the node has no 1005H.
+/// Synchronous PDOs of a node without SYNC: no node produces it, or the node has no 1005H.
 void find_missing_sync(const ReviewedBus& bus, Warnings& warnings);
 /// Two nodes that send one CAN-ID.
 void find_two_senders(const ReviewedBus& bus, Warnings& warnings);
 /// COB-IDs of the pre-defined connection set that a device file has for another node-ID than the device's.
 void find_cob_ids_of_another_node(const ReviewedBus& bus, Warnings& warnings);
-/// Heartbeat consumers (1016H) whose node is not there, sends none, or too seldom.
+/// Heartbeat consumers (1016H) whose producer is missing, sends no heartbeat, or too seldom.
 void find_missing_heartbeats(const ReviewedBus& bus, Warnings& warnings);
 /// Slaves of a master (1F81H) that are not on the bus.
 void find_missing_slaves(const ReviewedBus& bus, Warnings& warnings);
@@ -98,7 +98,8 @@ void find_two_masters(const ReviewedBus& bus, Warnings& warnings);
 /// LSS slaves that LSS cannot distinguish.
 void find_equal_lss_addresses(const ReviewedBus& bus, Warnings& warnings);
 
-/// What keeps a bus with a [bus.line] from working: its length and bit rate, or its clocks [ISO 11898-1 bit timing].
+/// Reasons why a bus with a [bus.line] cannot work: its length and bit rate, or its clocks [ISO 11898-1 bit
+/// timing].
 void find_line_troubles(const BusSection& bus, Warnings& warnings);
 
 /// All of them but find_line_troubles().

@@ -53,11 +53,11 @@ void find_missing_heartbeats(const ReviewedBus& bus, Warnings& warnings) {
         why = fmt::format("one in {} ms at least, but its 1017H is {} ms: set a shorter time there",
                           consumer_time, time);
       } else if (time != 0 || !is_set_for_this_network(node, 0x1016, static_cast<std::uint8_t>(sub))) {
-        return;  // who was never heard is not missed: the default of a device's file does no harm
+        return;  // monitoring starts with the first heartbeat: a default of the device file does no harm
       } else if (producer != nullptr) {
         why = "whose 1017H is 0: it sends none";
       } else if (has_unconfigured(bus) || bus.may_have_others) {
-        return;  // somebody may become that node
+        return;  // a node may get that node-ID
       } else {
         why = fmt::format("which is not on bus \"{}\"", bus.name);
       }
@@ -69,7 +69,7 @@ void find_missing_heartbeats(const ReviewedBus& bus, Warnings& warnings) {
 }
 
 void find_missing_slaves(const ReviewedBus& bus, Warnings& warnings) {
-  if (bus.may_have_others || has_unconfigured(bus)) return;  // somebody may become that node
+  if (bus.may_have_others || has_unconfigured(bus)) return;  // a node may get that node-ID
   for (const ReviewedNode& node : bus.nodes) {
     if ((start_up_of(node) & nmt_master) == 0) continue;
     for_each_member(node, 0x1F81, [&](unsigned slave, std::uint32_t value) {

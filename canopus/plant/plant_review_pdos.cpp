@@ -51,12 +51,12 @@ void for_each_cob_id(const ReviewedNode& node, Visit visit) {
   }
 }
 
-/// Somebody writes the node's objects before it starts.
+/// A master writes the node's objects before it starts.
 bool is_configured(const ReviewedBus& bus, const ReviewedNode& node) {
   return node.node_id > 127 || bus.configured.contains(node.node_id);
 }
 
-/// A channel with CAN-ID 000H, and a PDO that carries nothing, are how many a file says that there is none.
+/// Many files disable a channel by CAN-ID 000H, and a PDO by an empty mapping.
 bool is_wanted(const ReviewedNode& node, std::uint16_t index, CobIdUse use, CobId value) {
   switch (use) {
     case CobIdUse::rpdo:
@@ -72,7 +72,7 @@ bool is_wanted(const ReviewedNode& node, std::uint16_t index, CobIdUse use, CobI
   return true;
 }
 
-/// What a node sends by itself.
+/// A message that a node sends by itself.
 struct Sent {
   std::uint32_t key = 0;    // its CAN-ID: CobId::key()
   std::uint16_t index = 0;  // where the node has it
@@ -199,7 +199,7 @@ void find_two_senders(const ReviewedBus& bus, Warnings& warnings) {
 void find_cob_ids_of_another_node(const ReviewedBus& bus, Warnings& warnings) {
   for (const ReviewedNode& node : bus.nodes) {
     if (node.file == nullptr || is_configured(bus, node)) continue;
-    if (is_dcf_for(node)) continue;  // what is fixed there is meant so
+    if (is_dcf_for(node)) continue;  // a fixed value there is intended
     const auto& commissioning = node.file->commissioning;
     const unsigned made_for = commissioning ? commissioning->node_id.value_or(0) : 0;  // 0: an EDS
     std::set<std::uint16_t> used = {0x1014};
@@ -216,7 +216,7 @@ void find_cob_ids_of_another_node(const ReviewedBus& bus, Warnings& warnings) {
       const std::uint32_t id = value.identifier();
       if (id <= base || id > base + 127 || id == base + node.node_id) return;
       const bool by_file = eds::default_value(*node.file->dictionary, index, sub, node.node_id) == value.raw;
-      if (!by_file || is_set_by_plant_file(node, index, sub)) return;  // meant so, or stored by somebody
+      if (!by_file || is_set_by_plant_file(node, index, sub)) return;  // set on purpose, or stored
       others.insert(id - base);
       wrong.push_back(fmt::format("{} = {}", entry_name(index, sub, use), can_id(value)));
     });

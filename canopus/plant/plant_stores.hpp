@@ -1,7 +1,7 @@
 #pragma once
-// Where the devices and modules of a plant keep what they save, and whose is what: a file per device, a folder
-// per module, named after their owner, in the folder that `store` names. Two owners never share one, what
-// cannot be read is an error before anything starts, and a folder belongs to one run at a time.
+// The non-volatile memory of a plant's devices and modules, by owner: a file per device, a folder per module,
+// named after their owner, in the folder that `store` names. Two owners never share one, what cannot be read
+// is an error before anything starts, and a folder belongs to one run at a time.
 //
 //   state/.lock                              the run that uses the folder (store/folder_lock.hpp)
 //   state/line1.encoder.node-003             bus, name, node-ID (or LSS address); .lss: what LSS stored
@@ -27,7 +27,7 @@
 
 namespace canopus::plant {
 
-/// Where an owner keeps what it saves.
+/// The storage of an owner.
 struct StoredAs {
   std::filesystem::path folder;
   std::string name;   ///< of the file in it; empty for a module, which has the folder for itself
@@ -39,17 +39,18 @@ class PlantStores {
   /// Paths of `store` are relative to `plant_folder`.
   explicit PlantStores(std::filesystem::path plant_folder) : plant_folder_(std::move(plant_folder)) {}
 
-  /// Of a device with a `store`. `unit` is "node-003", or its LSS address while it has no node-ID.
+  /// Claims the storage of a device with a `store`. `unit` is "node-003", or its LSS address while it has no
+  /// node-ID.
   [[nodiscard]] StoredAs claim(const DeviceSection& device, const std::string& unit,
                                text::FileErrors& errors);
-  /// Of a module of a PLC with a `store`; `names` are the files in its folder.
+  /// Claims the storage of a module of a PLC with a `store`; `names` are the files in its folder.
   [[nodiscard]] StoredAs claim(const PlcSection& plc, const ModuleSection& module,
                                std::span<const std::string_view> names, text::FileErrors& errors);
-  /// To be called when everybody has claimed: what two could mean, and what nobody does.
+  /// Call it after the last claim: reports files with two possible owners, and files without an owner.
   void review(text::FileErrors& errors, std::vector<text::FileWarning>& warnings) const;
 
   /// Locks the folders for as long as this object lives, and gives files of earlier versions their names.
-  /// To be called before anything is switched on.
+  /// Call it before anything is switched on.
   [[nodiscard]] std::vector<text::FileError> open();
 
  private:

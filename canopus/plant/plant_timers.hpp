@@ -1,5 +1,5 @@
 #pragma once
-// What happens in a plant by the clock alone.
+// Events of a plant at fixed times.
 
 #include <chrono>
 

@@ -5,8 +5,7 @@
 
 namespace canopus::plant {
 
-/// How far a module of the plant is with the boot of a slave, which may be a node outside of the plant, or
-/// missing.
+/// The boot progress of a slave at a module of the plant; the slave may be an external node, or missing.
 struct SlaveBoot {
   NodeLabel slave;
   NodeLabel master;

@@ -32,16 +32,16 @@ struct ErrorGroup {
 /// Words of a module that is reached in some way: the value of one of `tables`.
 using ErrorWordReader = std::function<std::uint16_t(std::uint32_t address)>;
 
-/// What the words say now. `function_mode`: as selected, 405, 417, 11 or 29; words of other modes are not read. A code without a
-/// text is shown, too.
+/// Decodes the present words. `function_mode`: as selected, 405, 417, 11 or 29; words of other modes are not
+/// read. A code without a text is shown, too.
 [[nodiscard]] std::vector<ErrorLine> errors_in_words(const module::ErrorTables& tables,
                                                      std::uint16_t function_mode,
                                                      const ErrorWordReader& read);
 
-/// "life guard error or heartbeat error", of a module's own codes as its manual says.
+/// "life guard error or heartbeat error", of a module's own codes by its manual.
 [[nodiscard]] std::string emergency_meaning(const module::ErrorTables& tables, std::uint16_t code);
 
-/// Of a module of this plant that is on; groups without a line are left out.
+/// The error history of a module of this plant that is on; groups without a line are left out.
 [[nodiscard]] std::vector<ErrorGroup> error_history(const CatalogueEntry& entry,
                                                     module::CommunicationModule& module, can::Time now);
 

@@ -1,5 +1,5 @@
 #pragma once
-// The soft modules there are, with what there is to say of each.
+// All soft modules, with the facts about each.
 
 #include <array>
 #include <memory>
@@ -22,7 +22,7 @@
 
 namespace canopus::plant {
 
-/// What a plant may have otherwise than the module's own.
+/// Settings of a plant in place of the module's defaults.
 struct ModuleTuning {
   std::optional<can::Duration> restart_time{};
 };
@@ -59,9 +59,9 @@ struct CatalogueEntry {
   std::uint16_t only_place = 0;
   /// The errors that its words show; never null.
   const module::ErrorTables* errors = nullptr;
-  /// How a program clears them and restarts the module; never null.
+  /// A program's procedure to clear them and restart the module; never null.
   const module::ResetProcedure* reset_procedure = nullptr;
-  /// What its configuration tool sets; nullptr: `canopus configure` is not for it.
+  /// The settings of its configuration tool; nullptr: `canopus configure` is not for it.
   const module::ConfigurationTool* configuration_tool = nullptr;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-// What happens in a plant, as lines: JSON for programs (one object per line, docs/events.md), or plain text
-// for people and pipes. Each line goes out whole.
+// The events of a plant, as lines: JSON for programs (one object per line, docs/events.md), or plain text for
+// people and pipes. Each line goes out whole.
 
 #include <atomic>
 #include <cstdint>
@@ -18,7 +18,7 @@
 
 namespace canopus::plant {
 
-/// How the run ended and how it went.
+/// The result and the figures of a run.
 struct RunSummary {
   can::Time end{};       ///< how far the plant's time got
   can::Duration wall{};  ///< how long that took
@@ -42,7 +42,7 @@ struct RunSummary {
 
 /// In seconds. Microseconds are what a trace has; more digits would only be noise.
 [[nodiscard]] double event_seconds(can::Time time);
-/// What every event begins with.
+/// The common beginning of every event.
 [[nodiscard]] text::Json event_line(can::Time now, std::string_view kind);
 
 /// Lines for programs.
@@ -51,7 +51,7 @@ class JsonPrinter final : public PlantObserver {
   explicit JsonPrinter(text::Output& out) : out_(out) {}
   void listening(std::string_view protocol, std::string_view of, std::string_view address);
   void summary(const RunSummary& summary);
-  /// The line that says how many of the lines up to now were lost. Any thread may ask.
+  /// The line with the number of lines lost up to now. Thread-safe.
   [[nodiscard]] std::string lost_line(std::uint64_t lines) const;
 
   void on(const Event& event) override;
@@ -88,7 +88,7 @@ class LinePrinter final : public PlantObserver {
   LinePrinter(text::Output& out, text::Output& errors, bool quiet)
       : out_(out), errors_(errors), quiet_(quiet) {}
   void summary(const RunSummary& summary);
-  /// The line that says how many of the lines up to now were lost. Any thread may ask.
+  /// The line with the number of lines lost up to now. Thread-safe.
   [[nodiscard]] std::string lost_line(std::uint64_t lines) const;
 
   void on(const Event& event) override;

@@ -1,4 +1,4 @@
-// What happens in lifts, as lines, and what a run says of them at its end.
+// Events of lifts, as lines, and their summary at the end of a run.
 
 #include <string>
 #include <string_view>

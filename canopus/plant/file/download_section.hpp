@@ -1,5 +1,5 @@
 #pragma once
-// What CANopen Builder has downloaded for a function card: [plc.module.download] [AS-FCOPM 10.6].
+// The download of CANopen Builder for a function card: [plc.module.download] [AS-FCOPM 10.6].
 
 #include <cstdint>
 #include <optional>

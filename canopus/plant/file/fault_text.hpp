@@ -1,5 +1,5 @@
 #pragma once
-// One fault of a bus as the lines below [[bus.fault]], for who makes one while a plant runs.
+// One fault of a bus as the lines below [[bus.fault]], to make one while a plant runs.
 
 #include <expected>
 #include <string>

@@ -20,7 +20,7 @@ struct LiftSection {
   bool own_seed = false;  ///< its passengers have a seed of their own; otherwise it is the plant's
 };
 
-/// Of a device: the lift (number of its section) and unit (see sim::lift::Building) that it is.
+/// A device's lift (number of its section) and unit (see sim::lift::Building).
 struct LiftUnitSection {
   std::size_t lift = 0;
   std::size_t unit = 0;

@@ -72,7 +72,7 @@ BusSection read_bus(text::TableReader& table) {
   BusSection bus{.place = table.place(), .serve_place = table.place("serve")};
   bus.name = table.text("name", true).value_or("");
   bus.bit_rate = read_bit_rate(table, true);
-  if (bus.bit_rate == 0) bus.bit_rate = 250'000;  // so that what is on it can be looked at
+  if (bus.bit_rate == 0) bus.bit_rate = 250'000;  // so that the nodes on it can be checked
   bus.socketcand =
       table.parsed("serve", [](std::string_view text) -> std::expected<text::HostAndPort, std::string> {
         constexpr std::string_view protocol = "socketcand:";
@@ -179,7 +179,7 @@ SlaveSection read_slave(text::TableReader& table) {
   return slave;
 }
 
-/// Who is configured by CANopen Builder is configured by it alone.
+/// A module configured by CANopen Builder has no other configuration.
 void check_download(text::TableReader& table, const ModuleSection& module) {
   const CatalogueEntry* entry = find_module(module.model);
   if (entry == nullptr) return;
@@ -290,11 +290,11 @@ PlcSection read_plc(text::TableReader& table) {
   return plc;
 }
 
-/// So many buses and PLCs a plant has at most; of what sits on them, node-IDs and head addresses are the bounds.
+/// Most buses and most PLCs of a plant; node-IDs and head addresses limit the nodes and modules on them.
 constexpr std::size_t most_buses = 256;
 constexpr std::size_t most_plcs = 256;
 
-/// Says at the first one that is too many how many there are.
+/// Reports the number of sections at the first one beyond the limit.
 void check_number(const toml::table& root, std::string_view key, std::string_view what, std::size_t most,
                   std::vector<text::FileError>& errors) {
   const auto* const list = root[key].as_array();

@@ -1,8 +1,7 @@
 #pragma once
-// The plant file: what there is on which bus, in TOML. Reading it finds every mistake at once, each with line
-// and column, what was found and what was expected; it opens no file but those of projects that buses name, and starts
-// nothing.
-// docs/plant-file.md is the reference for people.
+// The plant file: buses, nodes and PLCs, in TOML. Reading it finds every mistake at once, each with line and
+// column, what was found and what was expected; it opens no file but those of projects that buses name, and
+// starts nothing. docs/plant-file.md is the reference for people.
 
 #include <array>
 #include <cstdint>
@@ -50,8 +49,8 @@ struct BehaviourSection {
   std::optional<std::uint64_t> seed{};
 };
 
-/// Something that happens to a device's values once or by a condition; whether the device has the objects, the
-/// plant's assembly says. Objects are written as an index and sub-index, or by their names.
+/// Something that happens to a device's values once or by a condition; the plant's assembly checks that the
+/// device has the objects. Objects are written as an index and sub-index, or by their names.
 struct ScriptSection {
   text::Place place{};
   std::optional<can::Duration> at{};  ///< plant time; none: `when`
@@ -76,7 +75,7 @@ struct PlaybackSection {
 /// The drive that a device is: [device.drive].
 struct DriveSection {
   text::Place place{};
-  double start = 0;                    ///< where its axis stands
+  double start = 0;                    ///< position of its axis at power-on
   std::optional<double> low_switch{};  ///< where its limit switches act; none: it has none
   std::optional<double> high_switch{};
   double revolution = 10'000;  ///< between two index pulses
@@ -117,7 +116,7 @@ struct BusSection {
   std::string name{};
   std::uint32_t bit_rate = 0;                     ///< bit/s
   std::optional<text::HostAndPort> socketcand{};  ///< from serve = "socketcand:127.0.0.1:29536"
-  link::AllowList allowed{};                      ///< who may connect there
+  link::AllowList allowed{};                      ///< clients that may connect there
   std::vector<FaultSection> faults{};
   std::optional<LineSection> line{};
   text::Place project_place{};
@@ -129,11 +128,11 @@ struct BusSection {
   std::string replay{};                       ///< path of a trace, relative to the plant file
   std::string replay_channel{};               ///< of that trace; empty: all of them
 
-  bool link_by_option = false;  ///< of the command line, in place of what the file says
+  bool link_by_option = false;  ///< of the command line, in place of the file's
   bool is_bridged = false;      ///< with another bus of the plant
 
   [[nodiscard]] bool is_linked() const noexcept { return address.has_value() || !replay.empty(); }
-  /// Nodes may be there that the plant file does not say to be on this bus.
+  /// The bus may have nodes that the plant file does not list.
   [[nodiscard]] bool may_have_others() const noexcept {
     return socketcand.has_value() || is_linked() || is_bridged;
   }
@@ -173,11 +172,11 @@ struct DeviceSection {
   std::string name{};
   std::string eds{};                 ///< path, relative to the plant file
   std::uint8_t node = 0;             ///< 1..127; 0 = from the DCF; or no_node_id
-  std::optional<bool> lss{};         ///< is an LSS slave; without it, if the device file says so
+  std::optional<bool> lss{};         ///< is an LSS slave; default: LSS_Supported of the device file
   can::Duration start{};             ///< powers up this long after the run's start
   std::string store{};               ///< folder for what 1010H saves; empty = it does not survive the run
   std::uint32_t bit_rate = 0;        ///< bit/s; 0 = the bus's. Another one than the bus's destroys frames
-  bool listen_only = false;          ///< its controller hears, but drives nothing
+  bool listen_only = false;          ///< its controller receives, but drives no bit
   bool transmit_fifo = false;        ///< its controller sends in the order of queueing, not of identifiers
   std::size_t transmit_queue = 128;  ///< frames that may wait in it
   std::vector<text::ObjectSetting> objects{};
@@ -207,7 +206,7 @@ struct SlaveSection {
   std::vector<Link> send{};     ///< RPDOs of the slave from the module's transmit words
 };
 
-/// What the engineering tools have written to the CPU for a module: [plc.module.parameters].
+/// Parameters that the engineering tools have written to the CPU for a module: [plc.module.parameters].
 struct ParametersSection {
   text::Place place{};
   std::vector<BufferSetting> buffer{};
@@ -250,7 +249,7 @@ struct ModuleSection {
   /// slaves = "all": every device and every other module of the bus, first TPDO and RPDO of each
   bool all_slaves = false;
   std::vector<SlaveSection> slaves{};
-  std::optional<can::Duration> exchange{};      ///< the built-in program asks for a data exchange this often
+  std::optional<can::Duration> exchange{};      ///< cycle of the built-in program's data exchange
   bool recover = true;                          ///< it does what keeps process data going
   std::optional<can::Duration> restart_time{};  ///< instead of the module's own 6 s
   std::vector<text::ObjectSetting> objects{};
@@ -268,19 +267,19 @@ struct ModuleSection {
 struct MelsecPortSection {
   text::Place place{};  ///< where its address is written
   text::HostAndPort listen{};
-  link::AllowList allowed{};  ///< who may connect
+  link::AllowList allowed{};  ///< clients that may connect
   bool udp = false;
   plc::melsec::PortSettings settings{};
-  std::optional<link::AllowList> writers{};  ///< who may write; none: whoever may connect
+  std::optional<link::AllowList> writers{};  ///< clients that may write; none: all that may connect
 };
 
 /// A port of a PLC for Modbus TCP: [[plc.modbus]].
 struct ModbusPortSection {
   text::Place place{};  ///< where its address is written
   text::HostAndPort listen{};
-  link::AllowList allowed{};  ///< who may connect
+  link::AllowList allowed{};  ///< clients that may connect
   plc::modbus::Settings settings{};
-  std::optional<link::AllowList> writers{};  ///< who may write; none: whoever may connect
+  std::optional<link::AllowList> writers{};  ///< clients that may write; none: all that may connect
   struct BufferRange {
     text::Place place{};
     std::uint16_t head = 0;
@@ -317,7 +316,7 @@ struct PlantFile {
   std::uint64_t seed = 1;
   text::Place control_place{};
   std::optional<text::HostAndPort> control{};  ///< where the control server listens
-  link::AllowList control_allowed{};           ///< who may connect there
+  link::AllowList control_allowed{};           ///< clients that may connect there
   std::vector<BusSection> buses{};
   std::vector<BridgeSection> bridges{};
   std::vector<DeviceSection> devices{};
@@ -325,7 +324,7 @@ struct PlantFile {
   std::vector<LiftSection> lifts{};  ///< their devices are among the others, behind them
 };
 
-/// What a port speaks, for people: "MC protocol", "MC protocol 1E UDP".
+/// The name of a port's protocol: "MC protocol", "MC protocol 1E UDP".
 [[nodiscard]] std::string protocol_name(const MelsecPortSection& port);
 
 /// Reads a plant file's text. With errors, `plant` holds what could be read: it may be built, to find what

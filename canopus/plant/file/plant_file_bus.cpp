@@ -1,4 +1,4 @@
-// What connects a bus with the world outside of the plant, and with the plant's other buses.
+// Connections of a bus to the outside of the plant, and to the plant's other buses.
 
 #include <algorithm>
 #include <utility>

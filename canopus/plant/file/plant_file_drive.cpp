@@ -8,7 +8,7 @@ namespace canopus::plant {
 
 namespace {
 
-/// What 6064H can show.
+/// A position in the range of 6064H.
 std::optional<double> read_position(text::TableReader& table, std::string_view key) {
   using Positions = std::numeric_limits<std::int32_t>;
   const auto position = table.number(key);

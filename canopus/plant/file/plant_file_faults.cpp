@@ -86,7 +86,7 @@ void read_frames_hit(text::TableReader& table, sim::Fault& fault) {
   if (fault.probability < 0 || fault.probability > 1) table.error("probability", "expected 0 to 1");
 }
 
-/// What a bit driver drives, and where in a frame it begins.
+/// The bits of a bit driver, and their start in a frame.
 void read_driver(text::TableReader& table, sim::Fault& fault) {
   if (auto levels = table.parsed("bits", sim::parse_levels, true)) fault.levels = std::move(*levels);
   if (fault.levels.empty()) fault.levels = {sim::DrivenLevel::released};  // the error is reported
@@ -204,7 +204,7 @@ std::expected<FaultSection, std::string> read_fault(std::string_view text) {
   text::TableReader table(*root, "fault", errors);
   FaultSection section = read_fault(table);
   table.finish();
-  section.text = text;  // as somebody wrote it
+  section.text = text;  // as written in the file
   if (errors.empty()) return section;
   return std::unexpected(fmt::format("line {}: {}", errors.front().place.line, errors.front().message));
 }

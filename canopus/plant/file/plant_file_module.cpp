@@ -1,4 +1,5 @@
-// What a module's section of a plant file has of settings: objects, words, and the parameters of the engineering tools.
+// The settings in a module's section of a plant file: objects, words, and the parameters of the engineering
+// tools.
 
 #include <algorithm>
 #include <map>

@@ -1,4 +1,4 @@
-// Where the servers of a plant listen, to whom, and what they are set to.
+// The addresses, permitted clients and settings of a plant's servers.
 
 #include <algorithm>
 #include <map>

@@ -20,7 +20,7 @@ unsigned points(const ModuleSection& module) {
   return std::max(16U, entry == nullptr ? 0U : entry->data_sheet->points);
 }
 
-/// Looks at a plant in one pass, whatever its size: every question is a look-up.
+/// Checks a plant of any size in one pass: every query is a look-up.
 class References {
  public:
   References(PlantFile& plant, std::vector<text::FileError>& errors) : plant_(plant), errors_(errors) {}
@@ -140,7 +140,7 @@ class References {
     }
     if (++on.nodes <= most_nodes) return;
     usable = false;
-    if (on.nodes > most_nodes + 1) return;  // said once
+    if (on.nodes > most_nodes + 1) return;  // reported once
     error(place, "{}: bus \"{}\" has {} nodes already, as many as there are node-IDs", what, bus, most_nodes);
   }
 

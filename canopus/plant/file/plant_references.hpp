@@ -1,6 +1,6 @@
 #pragma once
-// What no single table of a plant file can see: names that must be there once, buses and slaves that must
-// exist, node-IDs and I/O points that only one can have.
+// Checks across the tables of a plant file: names must be unique, buses and slaves must exist, node-IDs and
+// I/O points must not be used twice.
 
 #include <vector>
 

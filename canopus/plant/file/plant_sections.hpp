@@ -11,8 +11,9 @@
 
 namespace canopus::plant {
 
-/// `allow` of a section whose server listens where its key `key` says; none: it has no server. A server that
-/// other machines can reach needs a list, or a password; with a password alone everybody may connect.
+/// `allow` of a section whose server listens at the address of its key `key`; none: it has no server. A
+/// server that other machines can reach needs a list, or a password; with a password alone all clients may
+/// connect.
 [[nodiscard]] link::AllowList read_allowed(text::TableReader& table, std::string_view key,
                                            std::string_view protocol,
                                            const std::optional<text::HostAndPort>& place,
@@ -20,7 +21,7 @@ namespace canopus::plant {
 /// A list of networks as `allow` is one; none: the key is not there.
 [[nodiscard]] std::optional<link::AllowList> read_networks(text::TableReader& table, std::string_view key);
 
-/// `listen` of a [[plc]] and its [[plc.port]]: what the MC protocol is served on.
+/// `listen` of a [[plc]] and its [[plc.port]]: the ports of the MC protocol.
 [[nodiscard]] std::vector<MelsecPortSection> read_melsec_ports(text::TableReader& table,
                                                                const plc::CpuModel& model);
 
@@ -32,7 +33,7 @@ void check_modbus_modules(const PlcSection& plc, std::vector<text::FileError>& e
 
 /// `family`, `cpu_model` and `devices` of a [[plc]].
 [[nodiscard]] plc::CpuModel read_cpu_model(text::TableReader& table);
-/// Where a module of a rack of this CPU's family is, and whether it fits into one; its model has been read.
+/// The address of a module in a rack of this CPU's family, and a check that it fits; its model has been read.
 void read_place(text::TableReader& table, const plc::CpuModel& cpu, ModuleSection& module);
 
 /// Objects { "1017:00" = 100 } and words { G70 = 1000 } of a section.

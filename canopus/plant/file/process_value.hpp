@@ -18,9 +18,9 @@ namespace canopus::plant {
 /// Every number of a device's process, in order of index and sub-index.
 [[nodiscard]] std::vector<canopen::Entry> process_values(const sim::Device& device);
 
-/// The one of them that is meant "6000:01" or by a parameter's name in the device file
-/// ("Digital inputs 1 to 8", upper and lower case are the same). The error says what is wrong: no such object or name, a name
-/// that more than one has, an object that is no number.
+/// The one selected by "6000:01" or by a parameter's name in the device file ("Digital inputs 1 to 8", upper
+/// and lower case are the same). The error names the mistake: no such object or name, a name that more than
+/// one has, an object that is no number.
 [[nodiscard]] std::expected<canopen::Entry, std::string> find_process_value(const sim::Device& device,
                                                                             std::string_view text);
 
