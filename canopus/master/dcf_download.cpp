@@ -13,7 +13,7 @@ namespace {
 using canopen::DictionaryDescription;
 using canopen::Entry;
 using Bytes = std::vector<std::uint8_t>;
-/// Values to be written by index and sub-index.
+/// Values to write by index and sub-index.
 using Values = std::map<std::uint16_t, std::map<std::uint8_t, Bytes>>;
 
 constexpr std::uint16_t verify_configuration = 0x1020;
@@ -88,7 +88,7 @@ class Download {
         for (const auto& [sub, value] : subs) file_.add(index, sub, value);
       }
     }
-    // Any other change of its configuration makes the device forget it [CiA 301 1020H].
+    // Any other change of its configuration makes the device clear it [CiA 301 1020H].
     if (const auto found = values_.find(verify_configuration); found != values_.end()) {
       for (const auto& [sub, value] : found->second) file_.add(verify_configuration, sub, value);
     }

@@ -31,7 +31,7 @@ constexpr bool is_pdo_mapping(std::uint16_t index) {
   return (index >= 0x1600 && index <= 0x17FF) || (index >= 0x1A00 && index <= 0x1BFF);
 }
 
-/// What is changed as a whole: a PDO, else one object's sub-index.
+/// The unit of a change: a PDO, else one object's sub-index.
 std::uint32_t group_of(ObjectName object) {
   if (is_pdo_mapping(object.index)) return static_cast<std::uint32_t>(object.index - 0x200) << 8;
   if (is_pdo_communication(object.index)) return std::uint32_t{object.index} << 8;
@@ -151,7 +151,7 @@ std::vector<WriteStep> plan_writes(const eds::DeviceFile& file, std::uint8_t nod
   manager::ConciseDcfReader reader(*concise);
   while (const auto entry = reader.next()) {
     const ObjectName object{entry->index, entry->sub};
-    // A device forgets when it was configured as soon as anything is written.
+    // A device clears the time of its configuration as soon as any object is written.
     if (entry->index != configuration_date_index && !groups.contains(group_of(object))) continue;
     steps.push_back({.object = object, .value = Bytes(entry->data.begin(), entry->data.end())});
   }

@@ -56,9 +56,9 @@ using Progress = std::function<bool(std::size_t done, std::size_t of)>;
                                                                std::uint8_t node_id, ObjectAccess& access,
                                                                const Progress& progress);
 
-/// Every value that a device holds as its configuration and that differs from the file: what can be written and read, but for
-/// process data (what can be mapped and has no value in the DCF), 1003H, 1010H, 1011H and domains. Those of type UNICODE_STRING are
-/// left out, too: files have none.
+/// Every value that a device holds as its configuration and that differs from the file: values that can be
+/// written and read, except process data (what can be mapped and has no value in the DCF), 1003H, 1010H,
+/// 1011H and domains. Those of type UNICODE_STRING are left out, too: files have none.
 [[nodiscard]] std::vector<ComparedValue> find_changed(const eds::DeviceFile& file, std::uint8_t node_id,
                                                       ObjectAccess& access, const Progress& progress);
 
@@ -70,8 +70,8 @@ struct WriteStep {
   std::string reason{};  ///< of a failure, or why it was not tried
 };
 
-/// The writes that set what differs to the values of the DCF, in the order that CiA 301 wants: a PDO is switched off, changed as a whole,
-/// and switched on again; 1020H comes last.
+/// The writes that set what differs to the values of the DCF, in the order that CiA 301 requires: a PDO is
+/// switched off, changed as a whole, and switched on again; 1020H comes last.
 [[nodiscard]] std::vector<WriteStep> plan_writes(const eds::DeviceFile& file, std::uint8_t node_id,
                                                  std::span<const ComparedValue> compared);
 

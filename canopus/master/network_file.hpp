@@ -42,7 +42,7 @@ struct NetworkSlave {
   std::uint8_t restore = 0;  ///< 1F8AH: 1011H sub-index written before its configuration; 0 = none
 };
 
-/// What happens when a mandatory slave has an error control event.
+/// The reaction to an error control event of a mandatory slave.
 enum class ErrorReaction : std::uint8_t {
   reset_slave,
   reset_all,  ///< 1F80H bit 4

@@ -18,7 +18,7 @@
 
 namespace canopus::master {
 
-/// What happens in the network, as it happens.
+/// The events of the network, as they happen.
 class NetworkObserver {
  public:
   /// The boot of a slave goes on: another step, or the same one with another object.
@@ -52,7 +52,7 @@ class NetworkMaster final : public manager::MasterNode,
   /// It has ended: halted by a mandatory slave, or all mandatory slaves are booted and every optional one is
   /// booted, failed or did not answer. Never while another flying master is the active one.
   [[nodiscard]] bool start_up_over() const;
-  /// What has become of a slave.
+  /// The result for a slave.
   enum class Result : std::uint8_t {
     booted,
     absent,                     ///< optional, does not answer
