@@ -12,7 +12,7 @@
 
 namespace canopus::network_project {
 
-/// Of 1000H:00 and 1018H:01 to 04, as far as the device has them.
+/// A value of 1000H:00 or 1018H:01 to 04, as far as the device has them.
 struct IdentityValue {
   std::uint16_t index = 0;
   std::uint8_t sub = 0;
@@ -27,8 +27,8 @@ struct AcceptedValue {
   std::uint32_t after = 0;
 };
 
-/// What differs: first the objects that the node's DCF has, then of each manager the checks of this node that are on (not 0). A
-/// check that is off stays off.
+/// The differences: first the objects of the node's DCF, then of each manager the checks of this node that
+/// are on (not 0). A check that is off stays off.
 [[nodiscard]] std::vector<AcceptedValue> find_accepted_values(const NetworkProject& project,
                                                               std::uint8_t node_id,
                                                               std::span<const IdentityValue> found);

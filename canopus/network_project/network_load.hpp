@@ -1,6 +1,6 @@
 #pragma once
-// How much of its bus a project's network takes, computed from its DCFs: process data, SYNC, heartbeats. SDO, EMCY,
-// NMT and guarding come on top.
+// The bus load of a project's network, computed from its DCFs: process data, SYNC, heartbeats. SDO, EMCY, NMT
+// and guarding come on top.
 
 #include <cstdint>
 #include <optional>

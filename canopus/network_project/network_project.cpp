@@ -20,7 +20,7 @@ std::string first_problem(const std::vector<eds::Problem>& problems) {
   return fmt::format("line {}: {}", problems.front().line, problems.front().message);
 }
 
-/// What a file name can be on any system.
+/// A file name that is valid on any system.
 std::string as_file_name(std::string_view name) {
   std::string text;
   for (const char c : ascii::lower(name)) {
@@ -89,7 +89,7 @@ std::string NetworkProject::in_folder(std::string_view name) const {
 void NetworkProject::read_notes() {
   const std::string path = notes_path(list_path_);
   auto text = read_(path);
-  // What cannot be read is no note, and is not written over.
+  // An unreadable file has no notes, and is not overwritten.
   notes_ = text ? ProjectNotes(*text, network_) : ProjectNotes::unreadable(text.error());
   if (text) original_[path] = std::move(*text);
 }
@@ -341,7 +341,7 @@ std::map<std::string, std::optional<std::string>> NetworkProject::changes() cons
   std::map<std::string, std::optional<std::string>> now;
   for (const auto& [path, text] : original_) now[path] = std::nullopt;
   now[list_path_] = list_.text();
-  // What another network of the same list has is not this one's to take away.
+  // Keeps the files of other networks of the same list.
   for (const ListedNetwork& other : list_.networks()) {
     for (const ListedNode& node : other.nodes) {
       const auto path = path_in_project(node.dcf_name);

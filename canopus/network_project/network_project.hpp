@@ -31,7 +31,7 @@ struct ProjectNode {
   ListedNode listed;
   std::string path;  ///< of its DCF below the folder; empty: it has none
   std::optional<eds::DeviceText> text{};
-  std::shared_ptr<const eds::DeviceFile> device{};  ///< nullptr: there is none, `unreadable` says why
+  std::shared_ptr<const eds::DeviceFile> device{};  ///< nullptr: there is none, `unreadable` has the reason
   std::vector<eds::Problem> problems{};             ///< of its DCF
   std::string unreadable{};                         ///< a sentence without the file's name
   std::vector<Pdo> pdos{};
@@ -47,7 +47,7 @@ struct ProjectNode {
   [[nodiscard]] std::optional<std::uint64_t> value(std::uint16_t index, std::uint8_t sub = 0) const;
 };
 
-/// What add_node() needs.
+/// The arguments of add_node().
 struct NewNode {
   std::uint8_t node_id = 0;    ///< 1 to 127; 0: the lowest that is free
   std::string name{};          ///< empty: the product's name
@@ -74,7 +74,7 @@ class NetworkProject {
   /// By node-ID.
   [[nodiscard]] const std::vector<ProjectNode>& nodes() const noexcept { return nodes_; }
   [[nodiscard]] const ProjectNode* find(std::uint8_t node_id) const noexcept;
-  /// "5", "0x05" or a node's name, in any case when that is the only one. The error says what was expected.
+  /// "5", "0x05" or a node's name, in any case when that is the only one. The error names what was expected.
   [[nodiscard]] std::expected<const ProjectNode*, std::string> find(std::string_view node) const;
   /// Bit rate in bit/s on which the DCFs agree; 0: none has one, or they differ.
   [[nodiscard]] std::uint32_t bit_rate() const;
@@ -96,7 +96,8 @@ class NetworkProject {
                                std::string_view value);
   /// Takes its ParameterValue out, so that the default counts; none: nothing happens.
   [[nodiscard]] Done remove_value(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub);
-  /// Gives a PDO the COB-ID, transmission type, times and mapping of `pdo`; what is so already is not written.
+  /// Gives a PDO the COB-ID, transmission type, times and mapping of `pdo`; values that are already equal are
+  /// not written.
   [[nodiscard]] Done set_pdo(std::uint8_t node_id, const Pdo& pdo);
 
   /// Of its nodes; project_notes.hpp.
@@ -104,8 +105,8 @@ class NetworkProject {
   /// Empty takes it out.
   [[nodiscard]] Done set_note(std::uint8_t node_id, std::string_view note);
 
-  /// What differs from what was read, notes (nodelist.notes.toml) included: the text of each file, or nothing for one
-  /// that is to be deleted. Still the same after they were saved: then open the project again.
+  /// The changes since the project was read, notes (nodelist.notes.toml) included: the text of each file, or
+  /// nothing for one to delete. Still the same after they were saved: then open the project again.
   [[nodiscard]] std::map<std::string, std::optional<std::string>> changes() const;
 
  private:
@@ -114,7 +115,7 @@ class NetworkProject {
   void read_nodes();
   void read_node(ProjectNode& node);
   [[nodiscard]] ProjectNode* find_own(std::uint8_t node_id) noexcept;
-  /// The node to be changed, which has a DCF that can be.
+  /// The node to change, with a DCF that can be changed.
   [[nodiscard]] std::expected<ProjectNode*, std::string> editable(std::uint8_t node_id);
   [[nodiscard]] std::expected<std::string, std::string> free_file_name(const std::string& name,
                                                                        std::uint8_t node_id,
@@ -131,8 +132,8 @@ class NetworkProject {
   std::map<std::string, std::optional<std::string>> original_;  // of each path that was read or made
 };
 
-/// Sub-indexes of a node by number ("6000:01", "1017") or name ("Producer heartbeat time", "Read input.Input 1"), in whatever
-/// case. The error names what is near, or what has that name.
+/// Sub-indexes of a node by number ("6000:01", "1017") or name ("Producer heartbeat time", "Read input.Input
+/// 1"), in upper or lower case. The error names similar objects, or those that have that name.
 [[nodiscard]] std::expected<canopen::Entry, std::string> find_object(const ProjectNode& node,
                                                                      std::string_view text);
 /// The name of a sub-index: "Read input 8-bit: Input 1", "Producer heartbeat time".

@@ -1,5 +1,5 @@
 #pragma once
-// What does not fit together in a project: its files, its bit rate, and the PDOs that go between its nodes.
+// Checks of a project: its files, its bit rate, and the PDOs that go between its nodes.
 
 #include <cstdint>
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace canopus::network_project {
 
-/// What is wrong, why, and what would help, in one sentence or two.
+/// The fault, its reason and a remedy, in one sentence or two.
 struct Finding {
   eds::Problem::Severity severity = eds::Problem::Severity::warning;
   std::uint8_t node_id = 0;  ///< 0: the network
@@ -18,7 +18,8 @@ struct Finding {
   std::string message;
 };
 
-/// Errors first, then warnings, then notes; each by node-ID. Problems that device files have are among them, but for notes.
+/// Errors first, then warnings, then notes; each by node-ID. Problems of device files are among them, except
+/// notes.
 [[nodiscard]] std::vector<Finding> review(const NetworkProject& project);
 
 }  // namespace canopus::network_project

@@ -220,7 +220,7 @@ Done Nodelist::set_node(std::size_t network, const ListedNode& node) {
   const ListedNetwork& listed = networks_[network];
   const ListedNode* old = listed.find(node.node_id);
   eds::IniText file = file_;
-  // What is left of a node that has no NodeXPresent any more is overwritten.
+  // Overwrites leftover keys of a node without NodeXPresent.
   const auto set = [&](std::string_view item, const std::string& value) -> Done {
     const std::string key = key_of(node.node_id, item);
     if (file.value(listed.section, key).value_or("") == value) return {};

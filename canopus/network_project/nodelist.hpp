@@ -8,7 +8,7 @@
 //   Node5Name=Pump                    5: the node-ID, in decimal
 //   Node5Refd=-M1                     reference designation
 //   Node5DCFName=pump.dcf
-//   EDSBaseName=../eds                where the EDS files lie
+//   EDSBaseName=../eds                folder of the EDS files
 
 #include <cstdint>
 #include <expected>
@@ -30,7 +30,7 @@ struct ListedNode {
   std::string name;       ///< UTF-8, as are all texts here; from a file: any characters
   std::string reference;  ///< Refd
   std::string dcf_name;   ///< as written; path_in_project() makes a path of it
-  unsigned line = 0;      ///< of NodeXPresent, from 1; not looked at when a node is set
+  unsigned line = 0;      ///< of NodeXPresent, from 1; ignored when a node is set
 };
 
 struct ListedNetwork {
@@ -53,11 +53,11 @@ class Nodelist {
  public:
   /// Of a new project: one network without nodes.
   Nodelist();
-  /// Takes any bytes. Errors among the problems: what could be read is there, and no change is accepted.
+  /// Takes any bytes. With errors among the problems, the readable part is there, and no change is accepted.
   explicit Nodelist(std::string_view text);
 
   [[nodiscard]] const std::vector<ListedNetwork>& networks() const noexcept { return networks_; }
-  /// What is wrong with the file it was read from, worst first, then by line.
+  /// The mistakes in its file, worst first, then by line.
   [[nodiscard]] const std::vector<eds::Problem>& problems() const noexcept { return problems_; }
   /// The file as it is now.
   [[nodiscard]] std::string text() const { return file_.text(); }

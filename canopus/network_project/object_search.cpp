@@ -25,7 +25,7 @@ canopen::Entry find_by_number(const canopen::DictionaryDescription& dictionary, 
   return dictionary.find(*index, *sub);
 }
 
-/// How people may write a name: "A: B", "A.B", "A/B".
+/// Accepted spellings of a name: "A: B", "A.B", "A/B".
 std::string comparable(std::string_view text) {
   std::string result;
   for (const char c : ascii::lower(text)) {

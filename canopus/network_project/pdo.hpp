@@ -19,7 +19,7 @@ struct MappedObject {
 
   /// A data type, which leaves bits of an RPDO unused.
   [[nodiscard]] bool is_dummy() const noexcept { return index < 0x1000; }
-  /// As a mapping parameter holds it.
+  /// The value of a mapping parameter.
   [[nodiscard]] std::uint32_t value() const noexcept {
     return std::uint32_t{index} << 16 | std::uint32_t{sub} << 8 | bits;
   }
@@ -46,7 +46,7 @@ struct Pdo {
     return static_cast<std::uint16_t>(communication_index() + 0x200U);
   }
   [[nodiscard]] unsigned bits() const noexcept;
-  /// Of the frame, bytes.
+  /// Length of the frame in bytes.
   [[nodiscard]] unsigned length() const noexcept { return (bits() + 7) / 8; }
   /// It is sent or taken: valid, with a CAN-ID that it may have, and something mapped.
   [[nodiscard]] bool is_active() const noexcept {

@@ -49,7 +49,7 @@ std::expected<Signal, std::string> find_signal(const NetworkProject& project, co
   return signal;
 }
 
-/// Where an object begins in a PDO, or nothing.
+/// The first bit of an object in a PDO, or nothing.
 std::optional<unsigned> position_of(const Pdo& pdo, const MappedObject& wanted) {
   unsigned bit = 0;
   for (const MappedObject& object : pdo.mapping) {

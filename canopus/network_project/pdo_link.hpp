@@ -40,9 +40,9 @@ struct PdoChange {
 };
 
 /// Connects `from` to `to`. The signal's own TPDO is used if there is one, else one that goes to that node
-/// already, one that is not in use, one with room; the RPDO has unused bits before the signal as needed. Changes nothing, and
-/// says why, when the two do not have the same length, are not mappable, or have no PDO left. Nothing is to be done: no
-/// changes.
+/// already, one that is not in use, one with room; the RPDO has unused bits before the signal as needed.
+/// Changes nothing, with the reason as error, when the two do not have the same length, are not mappable, or
+/// have no PDO left. Already connected: no changes.
 [[nodiscard]] std::expected<std::vector<PdoChange>, std::string> link_signals(NetworkProject& project,
                                                                               const SignalEnd& from,
                                                                               const SignalEnd& to);

@@ -12,7 +12,8 @@
 namespace canopus::network_project {
 namespace {
 
-/// What a DCF says of its node: of an XDC, whose elements are found by their schema, the reader of device files knows it.
+/// The commissioning data of a DCF; those of an XDC, whose elements are found by their schema, come from the
+/// device file reader.
 struct Commissioned {
   bool is_manager = false;
   std::uint32_t bit_rate = 0;  // bit/s; 0: it has none

@@ -23,9 +23,9 @@ struct ProjectMembers {
   std::vector<std::string> errors;  ///< sentences that name the file
 };
 
-/// `list`: path of nodelist.cpj; `text`: what it holds, or a sentence why it cannot be read; `network`: from 0. `read_dcf` gives
-/// the content of the file `name` below `folder`, that of the list ("" or with '/' at its end), and of no other folder; its
-/// error is a sentence that names the file.
+/// `list`: path of nodelist.cpj; `text`: its contents, or a sentence why it cannot be read; `network`: from
+/// 0. `read_dcf` gives the content of the file `name` below `folder`, that of the list ("" or with '/' at its
+/// end), and of no other folder; its error is a sentence that names the file.
 [[nodiscard]] ProjectMembers read_members(
     const std::string& list, const std::expected<std::string, std::string>& text, std::size_t network,
     const std::function<std::expected<std::string, std::string>(const std::string& folder,

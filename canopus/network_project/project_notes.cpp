@@ -61,7 +61,7 @@ struct Lines {
   std::string end;
 };
 
-/// Where in a line its character of this number, from 1, begins.
+/// The byte position of a line's character of this number, from 1.
 std::size_t byte_of(std::string_view line, std::size_t column) {
   std::size_t byte = line.starts_with("\xEF\xBB\xBF") ? 3 : 0;
   while (column > 1 && byte < line.size()) {

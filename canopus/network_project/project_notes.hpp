@@ -22,7 +22,7 @@ class ProjectNotes {
   /// `text`: the file, any bytes; nothing: there is none. `network`: position in the list, from 0.
   ProjectNotes(std::optional<std::string> text, std::size_t network);
 
-  /// Of a file that is there and could not be opened: why.
+  /// For a file that exists but could not be opened; `reason` is the cause.
   [[nodiscard]] static ProjectNotes unreadable(std::string reason);
 
   /// Why the file cannot be read, and where; empty: it can. It has no notes then and is not changed.
