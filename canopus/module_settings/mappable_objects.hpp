@@ -1,5 +1,5 @@
 #pragma once
-// What can be mapped into the PDOs of a communication module, as the details windows of its configuration tool offer it: object
+// Mappable objects of a communication module, as in the details windows of its configuration tool: object
 // names, and for each the parts of the buffer memory it can be [FX3U-CAN 15.1.2] [RJ71CN91 3.1].
 
 #include <cstdint>

@@ -16,12 +16,12 @@ namespace canopus::module_settings {
 /// A row of a window, or the only set of its fields.
 struct Row {
   std::vector<std::uint32_t> values;  ///< one for each field of the window
-  /// Of a PDO: index, sub-index, bits, as 1A00H has them; at most 64 bits.
+  /// Mapping of a PDO: index, sub-index, bits, as in 1A00H; at most 64 bits.
   std::vector<std::uint32_t> mapping{};
   std::string name{};  ///< of a node: 1 to 256 characters
 };
 
-/// What is wrong, and where: "tpdo 3: Event timer = 70000: expected 0 to 65535 ms".
+/// A mistake and its place: "tpdo 3: Event timer = 70000: expected 0 to 65535 ms".
 struct ProjectFinding {
   bool is_error = true;  ///< else a warning
   std::string text;
@@ -49,14 +49,14 @@ class ModuleProject {
   std::expected<void, std::string> add(const Window& window, std::uint32_t key);
   /// False: there is none.
   bool remove(const Window& window, std::uint32_t key);
-  /// Checked as why_not() says; nothing changes on an error. The row must be there.
+  /// Checked by why_not(); nothing changes on an error. The row must exist.
   std::expected<void, std::string> set(const Window& window, std::uint32_t key, std::string_view field,
                                        std::string_view text);
   std::expected<void, std::string> set_mapping(const Window& window, std::uint32_t key,
                                                std::vector<std::uint32_t> mapping);
   /// [Restore default values]: a window without rows gets its defaults, a list loses its rows.
   void restore_defaults(const Window& window);
-  /// As it was read: not checked.
+  /// Stores a row as read, without checks.
   void put(const Window& window, std::uint32_t key, Row row) { rows_[window.word][key] = std::move(row); }
 
   [[nodiscard]] std::uint32_t value(std::string_view window, std::string_view field,
@@ -67,7 +67,7 @@ class ModuleProject {
   /// After what time the module answers a negotiation of flying masters, whether or not it is one: "negotiation: 500 ms + 1 x
   /// 1500 ms + 5 x 10 ms = 2.05 s; ..."
   [[nodiscard]] std::string negotiation() const;
-  /// What is wrong with its time slots; empty: nothing.
+  /// The mistake of its time slots; empty: none.
   [[nodiscard]] std::string overlapping_slots() const;
 
   /// Checks the range of every value, and values that depend on each other.
@@ -89,9 +89,10 @@ class ModuleProject {
   std::map<std::string_view, std::map<std::uint32_t, Row>> rows_;
 };
 
-/// What is wrong with a node's name: not UTF-8, empty, longer than 256 characters, control characters; empty: nothing.
+/// The mistake of a node's name: not UTF-8, empty, longer than 256 characters, control characters; empty:
+/// nothing.
 [[nodiscard]] std::string why_no_name(std::string_view name);
-/// What is wrong with a list of mapped objects: "more than 64 bits" and the like; empty: nothing.
+/// The mistake of a list of mapped objects: "more than 64 bits" and the like; empty: nothing.
 [[nodiscard]] std::string why_no_mapping(const std::vector<std::uint32_t>& mapping);
 
 }  // namespace canopus::module_settings

@@ -33,7 +33,8 @@ class Reader {
                                                   root.attribute("model").value(), models_of(tools_))));
     }
     ModuleProject project(*tool);
-    // The master's settings decide whether slaves may be assigned, wherever they stand in the file; node-IDs decide defaults.
+    // The master's settings decide whether slaves may be assigned, at any place in the file; node-IDs decide
+    // defaults.
     for (const bool rows : {false, true}) {
       for (const pugi::xml_node node : root.children()) {
         if (node.type() != pugi::node_element) continue;

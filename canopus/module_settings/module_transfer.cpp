@@ -17,7 +17,7 @@ using Result = ModuleAccess::Result<Value>;
 
 constexpr std::uint32_t no_rtr = 0x4000'0000;
 
-/// A word or an object of the module that fields lie in.
+/// A word or an object of the module that contains fields.
 struct Target {
   bool is_word = false;
   std::uint32_t number = 0;  ///< address or index
@@ -88,7 +88,7 @@ WantedValues wanted_of(const ModuleProject& project, const Window& window) {
 
 using Values = std::map<Target, std::uint32_t>;
 
-/// What the module has at all these places. Of another node than the module no words.
+/// Reads all these targets of the module. For another node than the module no words.
 Result<Values> read(ModuleAccess& access, std::uint8_t node, const std::vector<Target>& targets) {
   Values values;
   std::vector<Target> objects;
@@ -115,7 +115,8 @@ Result<void> write(ModuleAccess& access, std::uint8_t node, const Target& target
                              target.bytes);
 }
 
-/// Bit 30 of a COB-ID of a TPDO is always 1 in these modules, whatever is written [FX3U-CAN 5.6.5] [RJ71CN91 App.3].
+/// Bit 30 of a COB-ID of a TPDO is always 1 in these modules, regardless of the written value [FX3U-CAN
+/// 5.6.5] [RJ71CN91 App.3].
 bool same(const Target& target, std::uint32_t device, std::uint32_t project) {
   const bool cob_id = !target.is_word && target.number >= 0x1800 && target.number < 0x1A00 && target.sub == 1;
   return cob_id ? (device | no_rtr) == (project | no_rtr) : device == project;
@@ -135,7 +136,7 @@ struct Different {
   std::uint32_t device = 0;
 };
 
-/// What a module has otherwise, by target.
+/// The values that differ in a module, by target.
 Result<std::map<Target, Different>> differing(const ModuleProject& project, const Window& window,
                                               std::uint8_t node, ModuleAccess& access) {
   const WantedValues wanted = wanted_of(project, window);
@@ -362,7 +363,7 @@ Result<void> read_window(ModuleProject& project, const Window& window, PdoRange 
         targets.push_back(target_of(field, key, static_cast<std::uint8_t>(key)));
     }
   }
-  std::ranges::sort(targets);  // several fields lie in one object
+  std::ranges::sort(targets);  // one object can contain several fields
   const auto same_place = std::ranges::unique(targets);
   targets.erase(same_place.begin(), same_place.end());
   const auto device = read(access, node, targets);

@@ -54,21 +54,22 @@ struct Difference {
   std::string project;
 };
 
-/// What a transfer does, one line after the other; `good` false: it was refused, `text` says why.
+/// One step of a transfer, as a line; `good` false: it was refused, `text` has the reason.
 struct TransferStep {
   bool good = true;
   std::string text;
 };
 using StepListener = std::function<void(const TransferStep&)>;
 
-/// What writing the part would change. `node`: 0 the module, else another node (which has no "basic").
+/// The changes that writing the part would make. `node`: 0 the module, else another node (which has no
+/// "basic").
 [[nodiscard]] ModuleAccess::Result<std::vector<Difference>> differences(const ModuleProject& project,
                                                                         std::string_view part, PdoRange range,
                                                                         std::uint8_t node,
                                                                         ModuleAccess& access);
 
-/// Writes what differs, PDOs in the five steps of CiA 301, and saves it in the flash ROM [CiA 301 7.5.2.36]. Ends at the first
-/// refusal: what was not written is not shown as written.
+/// Writes the differences, PDOs in the five steps of CiA 301, and saves them in the flash ROM [CiA 301
+/// 7.5.2.36]. Ends at the first refusal; values that were not written are not reported as written.
 [[nodiscard]] ModuleAccess::Result<void> write_module(const ModuleProject& project, std::string_view part,
                                                       PdoRange range, std::uint8_t node, ModuleAccess& access,
                                                       const StepListener& listener);

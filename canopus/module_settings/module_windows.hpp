@@ -21,7 +21,7 @@ inline constexpr std::uint32_t not_valid = 0x8000'0000;
 
 /// The tools that a file or a command may name.
 using Tools = std::span<const module::ConfigurationTool* const>;
-/// That of the model, in any case; nullptr: there is none.
+/// The tool of the model, in upper or lower case; nullptr: there is none.
 [[nodiscard]] const module::ConfigurationTool* find_tool(Tools tools, std::string_view model) noexcept;
 /// "FX3U-CAN, RJ71CN91"
 [[nodiscard]] std::string models_of(Tools tools);
@@ -30,13 +30,13 @@ using Tools = std::span<const module::ConfigurationTool* const>;
 [[nodiscard]] std::uint32_t factory_value(const Window& window, const Field& field, std::uint32_t key,
                                           std::uint32_t node_id) noexcept;
 
-/// What a field takes: "1 to 127", "10, 20, 50 kbps", "High, Mid, Low".
+/// The range of a field: "1 to 127", "10, 20, 50 kbps", "High, Mid, Low".
 [[nodiscard]] std::string shown_range(const Field& field);
-/// What is wrong with a value, with the printed range ("Node ID = 128: expected 1 to 127"); empty: nothing.
+/// The mistake of a value, with the printed range ("Node ID = 128: expected 1 to 127"); empty: nothing.
 [[nodiscard]] std::string why_not(const Field& field, std::uint32_t value);
 /// A number, decimal or as 0x1F, or a word of the field ("Selected"); else what was expected.
 [[nodiscard]] std::optional<std::uint32_t> parse_value(const Field& field, std::string_view text) noexcept;
-/// As the window shows it: "0x40000181", "250", "Selected".
+/// The value as shown in the window: "0x40000181", "250", "Selected".
 [[nodiscard]] std::string shown_value(const Field& field, std::uint32_t value);
 
 }  // namespace canopus::module_settings
