@@ -12,7 +12,7 @@ using canopen::NmtState;
 
 constexpr std::size_t nodes_at_a_time = 16;
 constexpr can::Duration guarding_answer = std::chrono::milliseconds(100);
-/// A heartbeat may come this much later than its time says.
+/// Tolerance of the heartbeat time.
 constexpr can::Duration heartbeat_slack = std::chrono::milliseconds(100);
 
 struct Question {
@@ -72,7 +72,7 @@ class BusScan::NodeQuery final : public canopen::SdoClientListener {
       node.answers_sdo = true;
       take(node);
     } else if (code == AbortCode::timed_out) {
-      return done(now);  // nobody there, or gone in the middle
+      return done(now);  // no node there, or lost during the transfer
     } else {
       node.answers_sdo = true;  // an abort is an answer
     }
@@ -129,8 +129,8 @@ void BusScan::next_node(NodeQuery& query, can::Time now) {
   if (std::ranges::none_of(queries_, &NodeQuery::working)) asked_all(now);
 }
 
-// Who is guarded by a master is heard within its guard time; a question of our own would spoil that master's
-// toggle bit.
+// The responses of a guarded node are received within its guard time; a guarding frame of our own would
+// disturb the master's toggle bit.
 void BusScan::asked_all(can::Time now) {
   can::Duration longest{};
   for (const FoundNode& node : nodes_) {

@@ -1,7 +1,7 @@
 #pragma once
-// Asks a whole bus who is there: every node-ID for 1000H, those that answer for their identity and name, and
-// all for their NMT state. The state is learnt by listening to heartbeats and other masters' guarding; only a
-// node that produces no heartbeat and is not guarded is asked by a guarding remote frame.
+// Scans a bus for nodes: reads 1000H of every node-ID, identity and name of those that answer, and determines
+// the NMT states. The state comes from heartbeats and other masters' guarding; only a node that produces no
+// heartbeat and is not guarded gets a guarding remote frame.
 //
 // Sixteen nodes are asked at a time, each over its default SDO channel, which no other client should be
 // using.
@@ -21,7 +21,7 @@ namespace canopus::client {
 
 struct FoundNode {
   std::uint8_t node_id = 0;
-  bool answers_sdo = false;  ///< false: only heard (heartbeat, boot-up or guarding), for example when Stopped
+  bool answers_sdo = false;  ///< false: only heartbeat, boot-up or guarding received, for example in Stopped
   std::optional<canopen::NmtState> state{};     ///< unknown: no error control
   std::optional<std::uint32_t> device_type{};   ///< 1000H
   std::optional<std::uint32_t> vendor{};        ///< 1018H:01

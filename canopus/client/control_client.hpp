@@ -16,8 +16,8 @@ struct ControlConnection {
   std::chrono::milliseconds timeout{3000};  ///< to connect, and for the answer
 };
 
-/// Sends one request and gives its answer, a JSON object whose "ok" is true. The error is a sentence: what
-/// could not be done, or what the plant says is wrong.
+/// Sends one request and gives its answer, a JSON object whose "ok" is true. The error is a sentence: the
+/// reason of the failure, or the plant's error message.
 [[nodiscard]] std::expected<text::Json, std::string> ask_control(const ControlConnection& connection,
                                                                  const text::Json& request);
 

@@ -1,6 +1,6 @@
 #pragma once
-// A value of many bytes for people: a concise DCF of 1F22H [CiA 302-3] as the objects that it writes, any other DOMAIN as its bytes with
-// the text in them. The command line and the page say what this says.
+// A value of many bytes for people: a concise DCF of 1F22H [CiA 302-3] as the objects that it writes, any
+// other DOMAIN as its bytes with the text in them. The command line and the page both print this text.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +19,7 @@ struct DomainWords {
   static constexpr std::size_t most_dumped = 4096;   ///< bytes
   static constexpr std::size_t most_entries = 8192;  ///< more than the largest file of a module has
 
-  /// Of a concise DCF.
+  /// An entry of a concise DCF.
   struct Entry {
     std::string object;  ///< "1017:00"
     std::string name;    ///< of the device file, else of CiA 301 or 302; empty: not known
@@ -31,8 +31,8 @@ struct DomainWords {
   std::vector<std::string> dump;  ///< lines of 16 bytes; of a concise DCF from where it does not fit on
 };
 
-/// Of a value of this object. `device`: what the node that is written to has, for names and types; may be nullptr. The bytes are not
-/// trusted.
+/// The text of a value of this object. `device`: the dictionary of the destination node, for names and types;
+/// may be nullptr. The bytes may be invalid.
 [[nodiscard]] DomainWords domain_words(std::uint16_t index, std::span<const std::uint8_t> bytes,
                                        const canopen::DictionaryDescription* device);
 /// The same for a terminal, a line each.

@@ -160,7 +160,7 @@ class MelsecClient final : public PlcProtocol {
     }));
   }
 
-  /// Sends a request whose data `write` writes; gives the reply's data.
+  /// Sends a request with the data of `write`; returns the reply's data.
   template <typename Write>
   Result<FieldReader> request(std::uint16_t command, std::uint16_t subcommand, Write write) {
     constexpr std::uint16_t no_time_limit = 0;

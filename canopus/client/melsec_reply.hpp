@@ -1,5 +1,5 @@
 #pragma once
-// What the clients of 3E, 4E and 1E frames make of a reply.
+// Decodes replies for the clients of 3E, 4E and 1E frames.
 
 #include <expected>
 #include <string>
@@ -17,7 +17,7 @@ inline std::expected<void, std::string> completed(const MelsecReply& reply) {
   return {};
 }
 
-/// What was read of the data was there.
+/// Checks that all data read so far existed.
 inline std::expected<void, std::string> whole(const plc::melsec::FieldReader& data, const PlcLink& link) {
   if (data.fault() != plc::melsec::FieldReader::Fault::none) return std::unexpected(link.not_a_reply());
   return {};

@@ -33,7 +33,7 @@ class ModbusClient final : public PlcProtocol {
  public:
   explicit ModbusClient(PlcLink& link) : link_(link) {}
 
-  // What an AS300 takes; others take more.
+  // The limit of an AS300; other servers accept more.
   [[nodiscard]] std::size_t most_words() const noexcept override { return 100; }
   [[nodiscard]] std::size_t most_bits() const noexcept override { return 1600; }
 

@@ -1,5 +1,5 @@
 #pragma once
-// How people write what a PLC holds: devices (D100, X1F, ZR0), buffer memory (U3\G256) and values.
+// The notation of PLC data: devices (D100, X1F, ZR0), buffer memory (U3\G256) and values.
 
 #include <cstdint>
 #include <expected>

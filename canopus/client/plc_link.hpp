@@ -12,7 +12,7 @@
 
 namespace canopus::client {
 
-/// What the PLC's port is set to.
+/// The settings of the PLC's port.
 struct PlcConnection {
   enum class Frame : std::uint8_t { frame_3e, frame_4e, frame_1e, modbus };
 
@@ -24,13 +24,13 @@ struct PlcConnection {
   bool octal = false;                ///< 3E and 4E in ASCII write X and Y so, as an FX5 takes them
   std::string remote_password{};     ///< 3E and 4E: unlocks the port first; empty: it has none
   std::uint16_t module_io = 0x03FF;  ///< 3E and 4E: 03FFH: the control CPU; 03E0H to 03E3H: CPU No.1 to No.4
-  std::uint8_t unit = 255;           ///< Modbus: unit identifier; 255: whoever has the port
+  std::uint8_t unit = 255;           ///< Modbus: unit identifier; 255: the server of the port itself
   std::chrono::milliseconds timeout{3000};  ///< to connect, and for each reply
 };
 
 class PlcLink {
  public:
-  /// What could not be done, as a sentence that begins with the PLC's address.
+  /// The error is a sentence that begins with the PLC's address.
   template <typename Value>
   using Result = std::expected<Value, std::string>;
 
@@ -43,7 +43,7 @@ class PlcLink {
   Result<void> open();
   /// A whole request; over UDP one datagram.
   Result<void> send(std::span<const std::uint8_t> request);
-  /// The next bytes of the reply, so many of them; over UDP out of its datagram.
+  /// The next bytes of the reply, of this number; over UDP out of its datagram.
   Result<void> receive(std::span<std::uint8_t> into);
   /// Nothing of the reply's datagram is left. A TCP connection has no such end.
   [[nodiscard]] bool is_taken() const noexcept;
@@ -53,7 +53,7 @@ class PlcLink {
 
   /// "127.0.0.1:5007: the answer is cut off"
   [[nodiscard]] std::string failed(std::string_view what) const;
-  /// What came is no reply to the request.
+  /// The error for data that is no reply to the request.
   [[nodiscard]] std::string not_a_reply() const;
 
  private:

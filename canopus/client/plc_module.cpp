@@ -37,7 +37,7 @@ std::string abort_text(std::uint32_t code) {
   return fmt::format("abort {:08X}H, {}", code, canopen::describe(static_cast<canopen::AbortCode>(code)));
 }
 
-/// What #1001 says when #1000 is 000FH.
+/// The meaning of #1001 when #1000 is 000FH.
 std::string reason_of(std::span<const std::uint16_t> words) {
   if (words[0] != refused) return fmt::format("the command interface answers #1000 = {:04X}H", words[0]);
   switch (words[1]) {

@@ -37,9 +37,9 @@ class PlcModule final : public module_settings::ModuleAccess {
   Result<std::vector<std::uint8_t>> read_bytes(std::uint8_t node, module_settings::ObjectNumber object);
   Result<void> write_bytes(std::uint8_t node, module_settings::ObjectNumber object,
                            std::span<const std::uint8_t> bytes);
-  /// Starts the module anew, and with it the NMT master; waits until it is ready again.
+  /// Restarts the module, and with it the NMT master; waits until it is ready again.
   Result<void> restart();
-  /// Clears its error display; what is still wrong is shown again at once.
+  /// Clears its error display; errors that still exist appear again at once.
   Result<void> clear_errors();
   /// Whether the CPU module is in STOP (or PAUSE): SD203, of an FX3 M8000.
   Result<bool> cpu_stands_still();
@@ -56,7 +56,7 @@ class PlcModule final : public module_settings::ModuleAccess {
   Result<void> handshake(std::uint32_t number, const char* what, Work work);
   /// Parameters to #1001 on, then the code; the words from #1000 on when it is no longer busy.
   Result<std::vector<std::uint16_t>> command(std::uint16_t code, std::span<const std::uint16_t> parameters);
-  /// Asks until the bits of a word are 0.
+  /// Polls until the bits of a word are 0.
   Result<void> wait_for_zero(std::uint32_t address, std::uint16_t bits, const char* what);
 
   PlcClient& client_;

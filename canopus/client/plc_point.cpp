@@ -24,7 +24,7 @@ constexpr std::array tables = {TableName{"coil", Kind::coils}, TableName{"discre
                                TableName{"holding", Kind::holding_registers},
                                TableName{"input", Kind::input_registers}};
 
-/// What an AS300 calls its devices; HC alone is a 32-bit value, which one word cannot show.
+/// Device names of an AS300; HC alone is a 32-bit value, which one word cannot show.
 struct DeviceName {
   std::string_view name;
   Device device;

@@ -1,5 +1,6 @@
 #pragma once
-// What a client reads and writes: devices and buffer memory of a MELSEC PLC, devices of an AS300, Modbus addresses.
+// The points that a client reads and writes: devices and buffer memory of a MELSEC PLC, devices of an AS300,
+// Modbus addresses.
 
 #include <cstdint>
 #include <expected>
@@ -25,7 +26,7 @@ struct PlcPoint {
 
   /// One point is a bit, else a word.
   [[nodiscard]] bool is_bit() const noexcept;
-  /// Both are points of one row, which their numbers tell apart.
+  /// Both are points of one row; only their numbers may differ.
   [[nodiscard]] bool is_in_one_row_with(const PlcPoint& other) const noexcept;
   [[nodiscard]] PlcPoint further(std::size_t points) const noexcept {
     PlcPoint point = *this;
@@ -34,14 +35,14 @@ struct PlcPoint {
   }
 };
 
-/// How people write them.
+/// Their notation.
 enum class PlcNotation : std::uint8_t {
   melsec,
   melsec_octal,  ///< X and Y are counted in octal
   modbus         ///< an AS300's devices (D100, SR7, X0.5, X0), and coil:5 discrete:5 holding:5 input:5
 };
 
-/// "D100", "U0\G25"; the error says what was expected.
+/// "D100", "U0\G25"; the error names what was expected.
 [[nodiscard]] std::expected<PlcPoint, std::string> parse_plc_point(std::string_view text,
                                                                    PlcNotation notation);
 

@@ -1,5 +1,5 @@
 #pragma once
-// One request to a PLC and its reply, in the protocol that its port speaks.
+// One request to a PLC and its reply, in the protocol of its port.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace canopus::client {
 
-/// What a CPU says it is.
+/// The model that a CPU reports.
 struct PlcType {
   std::string name;
   std::uint16_t code = 0;  ///< of the MC protocol
@@ -23,8 +23,8 @@ enum class PlcOperation : std::uint8_t { run, stop, pause, reset };
 
 class PlcProtocol {
  public:
-  /// What could not be done, as a sentence: "127.0.0.1:5007: Connection refused", or the PLC's end code in
-  /// hexadecimal and words.
+  /// The error is a sentence: "127.0.0.1:5007: Connection refused", or the PLC's end code in hexadecimal and
+  /// words.
   template <typename Value>
   using Result = std::expected<Value, std::string>;
 

@@ -22,14 +22,14 @@ namespace canopus::client {
 /// "u32"; empty for a type that has no name here.
 [[nodiscard]] std::string_view type_name(canopen::DataType type);
 
-/// The bytes for a value in words: numbers decimal, 0x.. or ..H, negative where the type is signed; bytes and
+/// The bytes for a value as text: numbers decimal, 0x.. or ..H, negative where the type is signed; bytes and
 /// domains in hexadecimal digits, blanks between them allowed; true false 1 0; text as it is. The error is a
 /// sentence: "300 does not fit u8: expected 0 to 255".
 [[nodiscard]] std::expected<std::vector<std::uint8_t>, std::string> encode_value(std::string_view text,
                                                                                  canopen::DataType type);
 
-/// The value in words: "405  00000195H", "-5  FFFBH", "1.5", "\"drive\"", "true", "11 22 33". The error says
-/// that the bytes are not as long as the type: "4 bytes came, u16 has 2".
+/// The value as text: "405  00000195H", "-5  FFFBH", "1.5", "\"drive\"", "true", "11 22 33". The error is a
+/// wrong length for the type: "4 bytes came, u16 has 2".
 [[nodiscard]] std::expected<std::string, std::string> show_value(std::span<const std::uint8_t> bytes,
                                                                  canopen::DataType type);
 /// The same for bytes of unknown type: the hexadecimal bytes, and what they mean as a number or as text if

@@ -216,7 +216,7 @@ void Gateway::reset(can::Time now) {
   pdos_.clear();
   next_heartbeat_ = can::never;
   bus_.silent = false;
-  // Whose command ends here may at once begin another one.
+  // A client may start another command in the callback of an ended one.
   std::vector<Channel::Job> ended;
   for (const auto& channel : channels_) {
     if (channel == nullptr) continue;

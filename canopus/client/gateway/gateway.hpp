@@ -1,7 +1,7 @@
 #pragma once
-// The bus side of a gateway [CiA 309-1]: SDO transfers of its clients, one at a time with each node, NMT commands, the
-// supervision of nodes, its own heartbeat, PDOs, LSS, and the CAN controller. What happens on the bus is told to
-// everybody who listens, as lines of CiA 309-3.
+// The bus side of a gateway [CiA 309-1]: SDO transfers of its clients, one at a time with each node, NMT
+// commands, the supervision of nodes, its own heartbeat, PDOs, LSS, and the CAN controller. Events of the bus
+// go to all listeners, as lines of CiA 309-3.
 
 #include <array>
 #include <cstdint>
@@ -27,7 +27,7 @@ namespace canopus::client {
 
 class GatewayListener {
  public:
-  /// "1 5 EMCY 8130 11 0 0 0 0 0"; a boot-up is wanted by those who asked for it.
+  /// "1 5 EMCY 8130 11 0 0 0 0 0"; `boot_up`: only for clients that have enabled boot-up indications.
   virtual void gateway_event(std::string_view line, bool boot_up) = 0;
 
  protected:
@@ -80,16 +80,16 @@ class Gateway final : public can::Participant, private GatewayPdoListener {
   std::optional<Ticket> request_pdo(unsigned number, GatewayPdos::Done done);
   Ticket lss(GatewayLss::Request request, can::Time now);
 
-  /// Starts the own controller anew at a bit rate (bit/s); the error is a sentence.
+  /// Restarts the own controller at a bit rate (bit/s); the error is a sentence.
   using Restart = std::function<std::expected<void, std::string>(std::uint32_t bit_rate)>;
   void set_restart(Restart restart) { restart_ = std::move(restart); }
   std::expected<void, std::string> restart(std::uint32_t bit_rate);
-  /// As after power-on: ends what is under way, forgets PDOs and supervision, stops the heartbeat, and sends the own
-  /// boot-up message.
+  /// Resets to the state after power-on: ends all transfers, clears PDOs and supervision, stops the
+  /// heartbeat, and sends its boot-up message.
   void reset(can::Time now);
   /// While devices change their bit rate nothing may be sent [CiA 305].
   void set_silent(bool silent) { bus_.silent = silent; }
-  /// The controller's state, where the transport tells it.
+  /// The controller's state, where the transport reports it.
   void controller_error(GatewayError error);
 
   // can::Participant
@@ -124,7 +124,7 @@ class Gateway final : public can::Participant, private GatewayPdoListener {
   void error_control(unsigned node, const can::Frame& frame, can::Time now);
   void watched(unsigned node, std::uint8_t state, can::Time now);
   void look_at(unsigned node, can::Time now);
-  /// next_watch_ stands at the earliest of the watches.
+  /// Sets next_watch_ to the earliest deadline of the watches.
   void set_watch_alarm();
 
   Way bus_;

@@ -30,7 +30,7 @@ void GatewayLss::step_over(lss::LssResult result, can::Time now) {
   if (jobs_.empty()) return;
   auto& next = jobs_.front().request.next;
   if (const auto more = next ? next(result, master_, now) : std::nullopt) return begin(*more, now);
-  // Whoever gets its answer may at once ask for more.
+  // A client may make another request in the callback of its answer.
   const Job job = std::move(jobs_.front());
   jobs_.pop_front();
   if (job.request.done) job.request.done(result, master_, now);

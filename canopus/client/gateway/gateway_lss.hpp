@@ -1,6 +1,6 @@
 #pragma once
-// The LSS master of a gateway [CiA 309-1; CiA 305]: requests of its clients, one after the other, as answers of LSS name
-// nobody. A request is a service or several in a row, which those of others do not come between.
+// The LSS master of a gateway [CiA 309-1; CiA 305]: requests of its clients, one after the other, because LSS
+// answers name no request. A request is a sequence of services that other clients' requests do not interrupt.
 
 #include <algorithm>
 #include <chrono>
@@ -19,7 +19,7 @@ class GatewayLss final : public can::Participant, private lss::LssMasterListener
   static constexpr std::chrono::milliseconds default_time_out{100};  ///< for an answer
 
   using Ticket = std::uint64_t;
-  /// Begins a service; or, without one, lets `pause` pass.
+  /// Begins a service; without one, waits for `pause`.
   struct Step {
     std::function<bool(lss::LssMaster& master, can::Time now)> begin{};
     can::Duration pause{};

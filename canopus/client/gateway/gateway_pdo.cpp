@@ -166,7 +166,7 @@ void GatewayPdos::take(unsigned number, GatewayPdo& pdo, const can::Frame& frame
     case Type::sync: pdo.waits = true; return;
     case Type::remote: break;
   }
-  // Whoever gets its answer may at once ask for more.
+  // A client may make another request in the callback of its answer.
   std::vector<Waiting> answered;
   std::erase_if(waiting_, [&](Waiting& entry) {
     if (entry.number != number) return false;

@@ -1,6 +1,7 @@
 #pragma once
-// PDOs as words of a gateway's clients [CiA 309-1]: RPDOs, which it receives, and TPDOs, which it sends, by their numbers.
-// When one is sent is said by its type: at once, with a SYNC, or when a remote frame asks for it. All clients share them.
+// PDOs as words of a gateway's clients [CiA 309-1]: RPDOs, which it receives, and TPDOs, which it sends, by
+// their numbers. The transmission type decides when one is sent: at once, with a SYNC, or on a remote frame.
+// All clients share them.
 
 #include <cstdint>
 #include <functional>
@@ -64,7 +65,7 @@ class GatewayPdos final : public can::Participant {
   GatewayError set_tpdo(unsigned number, GatewayPdo pdo) { return set(tpdos_, number, std::move(pdo)); }
   void remove_rpdo(unsigned number) { rpdos_.erase(number); }
   void remove_tpdo(unsigned number) { tpdos_.erase(number); }
-  /// Forgets all. Who waits for a PDO is not notified.
+  /// Removes all PDOs. Clients that wait for a PDO are not notified.
   void clear();
 
   [[nodiscard]] const GatewayPdo* rpdo(unsigned number) const;
@@ -79,7 +80,7 @@ class GatewayPdos final : public can::Participant {
 
  private:
   using Pdos = std::map<unsigned, GatewayPdo>;
-  /// The alarm stands at the earliest of the TPDOs.
+  /// Sets the alarm to the earliest deadline of the TPDOs.
   void set_alarm();
   struct Waiting {
     Ticket ticket;

@@ -23,13 +23,13 @@ namespace canopus::client {
 class GatewayServer final : public can::Participant {
  public:
   struct Options {
-    link::AllowList allowed{};  ///< who may connect
+    link::AllowList allowed{};  ///< clients that may connect
     std::size_t clients = 32;   ///< one more gets a line and is closed
     /// Bytes that wait for a client; with more its connection ends.
     std::size_t most_waiting = 4 << 20;
     /// With more of them its next command waits.
     std::size_t enough_waiting = 64 << 10;
-    /// What a client that says no more is given for its commands and to take their answers.
+    /// Time that a client has after its last input to finish its commands and read their answers.
     std::chrono::milliseconds patience{60'000};
   };
   /// The bus's time.

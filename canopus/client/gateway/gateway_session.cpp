@@ -163,7 +163,7 @@ void GatewaySession::command(Words& words, can::Time now) {
 
 // --- settings
 
-/// Only a network may stand in front of the command.
+/// Only a network number may precede the command.
 GatewayError GatewaySession::network_only(const Words& words) {
   const auto& numbers = words.numbers;
   const bool own = numbers.empty() || (numbers.size() == 1 && numbers[0] == Gateway::network);

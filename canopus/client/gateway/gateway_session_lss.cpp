@@ -9,7 +9,8 @@
 
 #include "canopus/client/gateway/gateway_session.hpp"
 
-// g++ 12 sees the first of several functions destroyed before it was made, should the making of the next one fail.
+// False warning of g++ 12: when the construction of the next function throws, it assumes that the first one
+// is destroyed unconstructed.
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 
 namespace canopus::client {
@@ -41,7 +42,7 @@ std::string show(const LssAddress& address) {
                      address.serial);
 }
 
-/// What the device refused, by the command it was given.
+/// The error code of a refusal by the device, by the command.
 GatewayError refusal(const LssMaster& master, std::uint8_t command) {
   constexpr std::uint8_t specific = 0xFF;
   if (master.error() == 0) return GatewayError::state;  // a reset of the gateway ended it
@@ -73,7 +74,7 @@ void GatewaySession::lss_request(GatewayLss::Request request, can::Time now, boo
   if (ticket_) ticket_ = ticket;
 }
 
-/// One service; `command` says what a refusal means.
+/// One service; `command` selects the error code of a refusal.
 void GatewaySession::lss_service(LssService service, can::Time now, LssAnswer shown, std::uint8_t command) {
   lss_request({.first = {.begin = std::move(service)},
                .done = [this, command, shown = std::move(shown)](
@@ -193,7 +194,8 @@ void GatewaySession::lss_inquire_all(can::Time now) {
               now);
 }
 
-/// The own controller changes with the devices; before and after nobody sends [CiA 305]. Goes on without its client.
+/// The own controller changes its bit rate with the devices; no node transmits during the delay before and
+/// after [CiA 305]. Continues after a disconnect of its client.
 void GatewaySession::lss_activate(can::Duration delay, can::Time now) {
   enum class Stage : std::uint8_t { sent, before, after };
   const auto stage = std::make_shared<Stage>(Stage::sent);
@@ -264,7 +266,8 @@ void GatewaySession::lss_fastscan(Words& words, can::Time now) {
            time_out, now);
 }
 
-/// `[TIME-OUT [FIRST-NODE STORE]]`: fastscan, node-ID, store, waiting; until nobody without a node-ID answers.
+/// `[TIME-OUT [FIRST-NODE STORE]]`: fastscan, node-ID, store, waiting; until no device without a node-ID
+/// answers.
 void GatewaySession::lss_all_nodes(Words& words, can::Time now) {
   std::array<std::uint64_t, 3> given{100, 2, 0};
   constexpr std::array<std::pair<std::uint64_t, std::uint64_t>, 3> bounds{

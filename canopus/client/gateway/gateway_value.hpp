@@ -40,7 +40,7 @@ struct GatewayType {
 /// The bytes of the value that the rest of a line gives. None: it is no such value.
 [[nodiscard]] std::optional<std::vector<std::uint8_t>> encode_gateway_value(std::string_view text,
                                                                             GatewayType type);
-/// The value in words, in one line. None: the bytes are not as long as the type.
+/// The value as text, in one line. None: the bytes are not as long as the type.
 [[nodiscard]] std::optional<std::string> show_gateway_value(std::span<const std::uint8_t> bytes,
                                                             GatewayType type);
 
