@@ -1,6 +1,7 @@
 #pragma once
-// What a simulated device is beside its communication and the values that move by themselves: a drive, the door of a
-// lift. It sees its objects as everybody does, and puts its own values beneath those that are forced.
+// The function of a simulated device beside its communication and its generated values: a drive, the door of
+// a lift. It reads the effective values of its objects, and puts its own values beneath those that are
+// forced.
 
 #include <cstdint>
 
@@ -23,9 +24,9 @@ class DeviceApplication {
 
   /// The supply came, or the node was reset: objects hold their defaults, or what is stored.
   virtual void start(Device& device, can::Time now) = 0;
-  /// Before a frame is served, after everything that happens to the device, and at deadline(): looks at the objects and
-  /// puts what follows from them (Device::put). Again at the same moment, it changes nothing.
-  /// Returns true when somebody sees another value than before.
+  /// Before a frame is served, after everything that happens to the device, and at deadline(): reads the
+  /// objects and writes what follows from them (Device::put). A second call at the same moment changes
+  /// nothing. Returns true when an effective value changed.
   virtual bool act(Device& device, can::Time now) = 0;
   /// When it has something to do by itself; can::never without.
   [[nodiscard]] virtual can::Time deadline() const noexcept = 0;

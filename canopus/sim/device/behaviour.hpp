@@ -1,8 +1,8 @@
 #pragma once
-// Values that move by themselves in a simulated device: what stands for the machine around it.
+// Generated values of a simulated device, in place of the machine around it.
 //
-// A value is a pure function of the time and the seed, so two runs with one seed are byte-identical, however
-// often a device is looked at, and no state has to be saved.
+// A value is a pure function of the time and the seed, so two runs with one seed are byte-identical,
+// independent of how often a device is sampled, and no state has to be saved.
 
 #include <cstdint>
 #include <optional>
@@ -47,7 +47,7 @@ struct Behaviour {
 [[nodiscard]] can::Time next_change(const Behaviour& behaviour, canopen::DataType type, double value,
                                     can::Time now) noexcept;
 
-/// What an object can hold: bit patterns of its type, 64 bits wide, of a real as REAL64.
+/// The range of an object: bit patterns of its type, 64 bits wide, of a real as REAL64.
 struct Bounds {
   canopen::DataType type = canopen::DataType::unsigned8;
   std::uint64_t low = 0;
@@ -69,7 +69,7 @@ struct Sample {
   can::Time next_change{};
 };
 
-/// Where in its periods a behaviour is at a moment.
+/// The phase of a behaviour at a moment.
 struct Phase {
   can::Duration::rep number = 0;  ///< of the period, from 0
   can::Duration into{};           ///< since the period began

@@ -56,7 +56,7 @@ bool Device::release_value(const Entry& entry, can::Time now) {
   update_fast_path();
   written_ = true;
   if (force_listener_ != nullptr) force_listener_->value_released(entry, now);
-  // Outside Operational nobody samples: what is beneath may be old.
+  // Outside Operational the values are not sampled: the one beneath may be old.
   return (is_on_ && move_values(now)) || changed;
 }
 
@@ -132,7 +132,7 @@ void Device::rpdo_received(std::uint16_t number, can::Time) {
   forcing_.rpdo_received(number);
 }
 
-// Written from outside of the bus, it may be a moving value: a tick looks when that changes next.
+// Written from outside of the bus, it may be a moving value: a tick determines its next change.
 void Device::object_written(const Entry&, can::Time now) {
   written_ = was_written_ = true;
   if (is_sampling_) alarm().bring_forward(now);
@@ -145,7 +145,7 @@ bool Device::emergency(std::uint16_t code, std::uint8_t error_register,
 
 bool Device::emergency_reset(can::Time now) { return node_.emergency_reset(now); }
 
-/// What the target holds.
+/// The value of the target.
 std::uint64_t Device::value_of(const Motion& motion) const noexcept {
   return can::load_masked(node_.dictionary().block().data() + motion.target.offset, motion.mask);
 }
@@ -175,7 +175,7 @@ inline canopen::ValueMask Device::sample(can::Time now) {
       forcing_.put(motion.target, sample.value);
     }
     motion.moved_to = value_of(motion);
-    // What is forced shows nothing of what lies beneath: then it is put there at each sample.
+    // The dictionary has only the forced value, not the one beneath, so that is written at each sample.
     motion.next_change = is_simple || !forcing_.is_forced(motion.target) ? sample.next_change : now;
     next_change = std::min(next_change, motion.next_change);
     if (motion.moved_to != before) moved |= motion.places;
@@ -189,8 +189,8 @@ bool Device::move_values(can::Time now) {
   return echo_values() || moved;
 }
 
-/// When a value may change, where somebody may have written. What other services of the node write by themselves (below
-/// 2000H), or an application, is not seen here: then it is now.
+/// When a value may change next after writes from outside. Writes by other services of the node (below 2000H)
+/// or by an application are not detected here: then it is now.
 can::Time Device::next_change_seen(can::Time now) const noexcept {
   can::Time change = can::never;
   for (const Motion& motion : motions_) {
@@ -239,7 +239,7 @@ void Device::settle(can::Time now, bool moved) {
     moved = act(now) || moved;
     moved = echo_values() || moved;
     moved = look_at_conditions(now) || moved;
-    // What a condition forces, the application sees, too.
+    // The application reads the values that a condition forces, too.
     if (!script_.empty()) moved = act(now) || moved;
   }
   after_event(now, moved ? canopen::all_values : canopen::ValueMask{0});
@@ -267,7 +267,8 @@ void Device::settle(can::Time now, bool moved) {
 void Device::receive(const can::Frame& frame, can::Time now) {
   if (lss_ && frame.identifier == lss::from_master && !frame.extended) return lss_->receive(frame, now);
   if (is_passive()) return node_.receive(frame, now);
-  // Nobody samples outside Operational: an SDO read, or the first TPDOs after start, see the values of now.
+  // Outside Operational the values are not sampled: update them for an SDO read, and for the first TPDOs
+  // after start.
   if (is_on_ && !is_sampling_) move_values(now);
   const bool moved = is_on_ && act(now);
   node_.receive(frame, now);

@@ -34,7 +34,7 @@ struct DeviceOptions {
   canopen::NodeOptions node{};
 };
 
-/// Who wants to know which values are forced.
+/// Callbacks when values are forced and released.
 class ForceListener {
  public:
   virtual void value_forced(const Forcing::Force&, can::Time) {}
@@ -51,34 +51,35 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   Device(std::shared_ptr<const eds::DeviceFile> file, std::uint8_t node_id, can::Sink& sink,
          DeviceOptions options = {});
 
-  /// Lets an object move from now on. Returns what is wrong with it instead, in words for the plant file's
-  /// author: no such object, a string, high below low, a period of 0, an echo of another type.
+  /// Generates the values of an object from now on. Returns an error message for the plant file's author
+  /// instead: no such object, a string, high below low, a period of 0, an echo of another type.
   [[nodiscard]] std::optional<std::string> add_behaviour(const Behaviour& behaviour);
 
   /// Plays these values from now on. Returns what is wrong instead: an object that moves already, or is no
   /// process value.
   [[nodiscard]] std::optional<std::string> add_playback(Playback playback);
-  /// To be called before power_on(); the entries are those of process_value().
+  /// Call it before power_on(); the entries are those of process_value().
   void add_script_step(const ScriptStep& step) {
     script_.add(step);
     update_fast_path();
   }
 
-  /// What the device does, too. To be called once, before what it owns is given another motion, and before power_on().
+  /// Adds an application. Call it once, before add_behaviour() and add_playback(), which refuse the objects
+  /// that it owns, and before power_on().
   void set_application(std::unique_ptr<DeviceApplication> application) noexcept {
     application_ = std::move(application);
     update_fast_path();
   }
-  /// The application's own writing, as a bit pattern as wide as the entry; beneath, while the entry is forced. True when
-  /// the value that everybody sees has changed.
+  /// Writes a value of the application, a bit pattern as wide as the entry; beneath, while the entry is
+  /// forced. True when the effective value changed.
   bool put(const canopen::Entry& entry, std::uint64_t value) { return forcing_.put(entry, value); }
 
-  /// A number from 2000H on, which may be forced and played back; or what it is instead, in words.
+  /// A number from 2000H on, which may be forced and played back; or an error message.
   [[nodiscard]] std::expected<canopen::Entry, std::string> process_value(std::uint16_t index,
                                                                          std::uint8_t sub) const;
-  /// Whatever the device, an RPDO or an SDO puts into an entry of process_value(), everybody sees this value
-  /// (bit pattern, as wide as the entry) until it is released: at `until`, or never by itself. It outlives
-  /// resets and power_off().
+  /// Forces an entry of process_value() to this value (bit pattern, as wide as the entry) over writes of the
+  /// device, RPDOs and SDOs until it is released: at `until`, or never by itself. It outlives resets and
+  /// power_off().
   void force(const canopen::Entry& entry, std::uint64_t value, can::Time until, can::Time now);
   /// False: it was not forced.
   bool release(const canopen::Entry& entry, can::Time now);
@@ -91,8 +92,8 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   void set_listener(canopen::NodeListener* listener) noexcept { listener_ = listener; }
 
   /// Makes it an LSS slave, whose LSS address is its 1018H and which can be set to the bit rates that its
-  /// file names. To be called once, before power_on(). `controller` is the one that `sink` belongs to; its
-  /// bit rate now is the one of the factory settings. `store`: see DeviceLss.
+  /// file names. Call it once, before power_on(). `controller` is the one that `sink` belongs to; its bit
+  /// rate now is the one of the factory settings. `store`: see DeviceLss.
   void enable_lss(can::Controller& controller, canopen::ParameterStore* store = nullptr);
   /// nullptr: it is no LSS slave.
   [[nodiscard]] const lss::LssSlave* lss() const noexcept { return lss_ ? &lss_->slave() : nullptr; }
@@ -125,10 +126,10 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
 
  private:
   struct alignas(64) Motion {
-    // What each sample needs comes first.
+    // Members that each sample needs come first.
     canopen::Entry target{};
-    // What the target held after it was moved last, and when that may be another value: nothing is to be done
-    // before, unless somebody else wrote there.
+    // The target's value after its last update, and the time of its next change: no update before, unless
+    // another writer changed it.
     std::uint64_t moved_to = 0;
     can::Time next_change{};
     std::uint64_t mask = 0;  // of the target's bytes
@@ -154,7 +155,7 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   [[nodiscard]] static bool same(const canopen::Entry& a, const canopen::Entry& b) noexcept {
     return a.index == b.index && a.sub == b.sub;
   }
-  // What changes values. True: somebody sees another value than before.
+  // Updates generated values. True: an effective value changed.
   bool move_values(can::Time now);
   template <bool is_simple>
   canopen::ValueMask sample(can::Time now);
@@ -172,7 +173,7 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   bool carry_out(const ScriptStep& step, can::Time now);
   bool look_at_conditions(can::Time now);
 
-  /// The alarm stands at what it has to do by itself, and what its node has.
+  /// Sets the alarm to the earliest deadline of the device and its node.
   void set_alarm() noexcept { alarm() = has_fast_path_ ? next_sample_ : own_deadline(); }
   [[nodiscard]] can::Time own_deadline() const noexcept;
   void settle(can::Time now, bool moved);
@@ -185,8 +186,8 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   can::Time next_row_ = can::never;  // of the playbacks
   std::unique_ptr<DeviceApplication> application_;
   std::vector<Playback> playbacks_;
-  // What a sample needs of a device that has nothing but moving values lies in one cache line: from the end of the node,
-  // where its context and its services are, to where its motions begin and end.
+  // A device with generated values only needs one cache line for a sample: from the end of the node, where
+  // its context and its services are, to where its motions begin and end.
   canopen::Node node_;
   can::Duration sample_interval_;
   can::Time next_sample_ = can::never;
@@ -195,9 +196,9 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   bool samples_ = false;        // something else than constants and echoes
   bool is_sampling_ = false;    // Operational, and it samples
   bool echoes_ = false;         // some of them
-  bool written_ = false;        // perhaps a moving value, by somebody else, since the last sample
-  bool was_written_ = false;    // perhaps any value, by somebody else, since TPDOs were looked at
-  bool is_watched_ = false;     // nobody but it writes there without being seen
+  bool written_ = false;        // perhaps a generated value, from outside, since the last sample
+  bool was_written_ = false;    // perhaps any value, from outside, since TPDOs were checked
+  bool is_watched_ = false;     // all writes from outside are detected
   bool is_on_ = false;
   std::vector<Motion> motions_;
   std::unique_ptr<DeviceLss> lss_;

@@ -12,7 +12,7 @@ namespace {
 
 using Settings = DeviceLss::Settings;
 
-// What the store holds: the node-ID, and the bit rate in four bytes, lowest first.
+// The contents of the store: the node-ID, and the bit rate in four bytes, lowest first.
 constexpr std::size_t image_size = 5;
 
 std::vector<std::uint8_t> encode(const Settings& settings) {
@@ -66,7 +66,7 @@ void DeviceLss::power_on(can::Time) {
 
 void DeviceLss::power_off() noexcept {
   is_on_ = false;
-  slave_.alarm().cancel();  // power_on() starts it anew
+  slave_.alarm().cancel();  // power_on() restarts it
 }
 
 void DeviceLss::receive(const can::Frame& frame, can::Time now) {
@@ -100,8 +100,8 @@ lss::LssSlaveListener::Stored DeviceLss::store(std::uint8_t node_id, std::uint32
   return Stored::done;
 }
 
-// What is pending is in force after a reset [CiA 305]. The controller is set up anew, too: nothing from before
-// follows.
+// Pending values take effect after a reset [CiA 305]. The controller restarts, too: frames queued before are
+// dropped.
 void DeviceLss::reset_requested(canopen::NmtCommand, can::Time now) {
   controller_.abort_transmissions();
   node_.set_node_id(slave_.pending_node_id());

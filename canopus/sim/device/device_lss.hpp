@@ -1,6 +1,6 @@
 #pragma once
-// The LSS slave of a simulated device [CiA 305]: what an LSS master sets of it (node-ID, bit rate), and its
-// own memory for that, which holds through power cuts.
+// The LSS slave of a simulated device [CiA 305]: the settings of an LSS master (node-ID, bit rate), and their
+// non-volatile memory.
 
 #include <cstdint>
 #include <optional>
@@ -21,16 +21,17 @@ class DeviceLss final : private lss::LssSlaveListener, private canopen::NodeList
     friend bool operator==(const Settings&, const Settings&) = default;
   };
 
-  /// What the store holds, or nothing.
+  /// The contents of the store, or nothing.
   [[nodiscard]] static std::optional<Settings> stored(canopen::ParameterStore& store);
 
-  /// listener() must hear of the node, which is off. The LSS address is the node's 1018H. What the node sends goes to
-  /// `controller`, but for while the device must be silent; `bit_rates` (bit/s) is what it can be set to, empty: all;
-  /// `store` keeps what it has to store, nullptr: kept for as long as this object lives. All must outlive it.
+  /// The node, which is off, must report to listener(). The LSS address is the node's 1018H. The node's
+  /// frames go to `controller`, except while the device must be silent; `bit_rates` (bit/s): supported ones,
+  /// empty: all; `store`: its non-volatile memory, nullptr: kept for the lifetime of this object. All must
+  /// outlive it.
   DeviceLss(canopen::Node& node, can::Controller& controller, Settings factory,
             std::vector<std::uint32_t> bit_rates, canopen::ParameterStore* store);
 
-  /// Node-ID and bit rate are what was stored, or the factory settings; the node is to be switched on next.
+  /// Node-ID and bit rate are what was stored, or the factory settings; switch the node on next.
   void power_on(can::Time now);
   void power_off() noexcept;
 

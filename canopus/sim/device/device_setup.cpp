@@ -1,4 +1,4 @@
-// What a device does by itself, before it is switched on.
+// Setup of a device's generated values, scripts and playbacks, before power-on.
 
 #include <algorithm>
 #include <cmath>

@@ -61,7 +61,7 @@ bool Forcing::put(const Entry& entry, std::uint64_t value) {
   return dictionary().get<std::uint64_t>(entry) != before;
 }
 
-/// What is in the dictionary now goes beneath.
+/// Saves the value of the dictionary as the one beneath.
 void Forcing::take(Force& force) {
   force.beneath = dictionary().get<std::uint64_t>(force.entry);
   dictionary().set(force.entry, force.value);
@@ -83,7 +83,7 @@ void Forcing::values_loaded() {
   for (Force& force : forces_) take(force);
 }
 
-// An SDO, or an MPDO. Before anybody else hears of the write, so that no TPDO leaves with the value beneath.
+// An SDO, or an MPDO. Before the other listeners of the write, so that no TPDO leaves with the value beneath.
 void Forcing::after_write(canopen::ObjectDictionary&, const Entry& entry, can::Time) {
   if (const auto known = find(entry); known != forces_.end()) take(*known);
 }

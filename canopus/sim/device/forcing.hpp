@@ -1,6 +1,6 @@
 #pragma once
-// Values of a device that somebody forces: a person, a test or a script. What the device itself, its master or
-// a client writes there while they are forced lies beneath, and comes up when they are released.
+// Values of a device that a person, a test or a script forces. What the device itself, its master or a client
+// writes there while they are forced is kept beneath, and is restored when they are released.
 
 #include <cstdint>
 #include <span>
@@ -22,14 +22,14 @@ class Forcing final : public canopen::ObjectHandler {
   /// Of the values of this node, which must outlive it.
   explicit Forcing(canopen::Node& node) : node_(node) {}
 
-  /// An entry of fixed length. Again for one that is forced: the new value and end count. True when the value
-  /// that everybody sees has changed.
+  /// An entry of fixed length. Again for one that is forced: the new value and end count. True when the
+  /// effective value changed.
   bool force(const canopen::Entry& entry, std::uint64_t value, can::Time until);
-  /// What is beneath comes up. True when the value that everybody sees has changed. Nothing, when it is not
+  /// Restores the value beneath. True when the effective value changed. No effect on an entry that is not
   /// forced.
   bool release(const canopen::Entry& entry);
 
-  /// The device's own writing. True when the value that everybody sees has changed.
+  /// Writes a value of the device itself. True when the effective value changed.
   bool put(const canopen::Entry& entry, std::uint64_t value);
   /// RPDO `number` (0..511) has put its values into the dictionary.
   void rpdo_received(std::uint16_t number);

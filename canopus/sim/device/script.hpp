@@ -1,7 +1,7 @@
 #pragma once
-// What a person would do to the values of a device, written down: at a moment, or whenever a condition becomes
-// true, an object is forced, for a while or until it is released. A script is deterministic: its moments are
-// exact, and its conditions are looked at after everything that happens to the device.
+// Forces values of a device as a person would: at a moment, or whenever a condition becomes true, a step
+// forces an object, for a while or until it is released. A script is deterministic: its moments are exact,
+// and its conditions are evaluated after each event of the device.
 
 #include <cstdint>
 #include <optional>
@@ -51,19 +51,19 @@ class Script {
     return next_timed_ == timed_.size() ? can::never : states_[timed_[next_timed_]].step.at;
   }
 
-  /// Conditions are looked at from the beginning again: one that holds already becomes true at the next look.
+  /// Resets all conditions: one that holds already becomes true at the next evaluation.
   void restart() noexcept;
-  /// A look begins: each step comes at most once until the next one.
+  /// Begins an evaluation: it returns each step at most once.
   void begin_look() noexcept;
-  /// The next step of this look whose condition was false when it was looked at last and holds now; nullptr:
-  /// there is none, the look is over. What a step does may make further conditions true.
+  /// The next step of this evaluation whose condition was false the last time and holds now; nullptr: there
+  /// is none, the evaluation is over. The effect of a step may make further conditions true.
   [[nodiscard]] const ScriptStep* next_true(const canopen::ObjectDictionary& dictionary);
 
  private:
   struct State {
     ScriptStep step;
-    bool held = false;  // when it was looked at last
-    bool came = false;  // in this look
+    bool held = false;  // at the last evaluation
+    bool came = false;  // in this evaluation
   };
   std::vector<State> states_;
   std::vector<std::size_t> timed_;        // steps with a moment, in its order
