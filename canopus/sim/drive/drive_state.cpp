@@ -9,7 +9,7 @@ namespace {
 
 enum class Command : std::uint8_t { shutdown, switch_on, enable_operation, disable_voltage, quick_stop };
 
-// Bits 3, 2, 1, 0; what is not looked at decides nothing.
+// Bits 3, 2, 1, 0; a bit that is not tested is a don't-care.
 Command command(std::uint16_t word) noexcept {
   if ((word & controlword::enable_voltage) == 0) return Command::disable_voltage;
   if ((word & controlword::quick_stop) == 0) return Command::quick_stop;

@@ -20,7 +20,7 @@ enum class DriveState : std::uint8_t {
 namespace controlword {
 inline constexpr std::uint16_t switch_on = 0x0001;
 inline constexpr std::uint16_t enable_voltage = 0x0002;
-inline constexpr std::uint16_t quick_stop = 0x0004;  ///< 0 asks for it
+inline constexpr std::uint16_t quick_stop = 0x0004;  ///< active low: 0 requests it
 inline constexpr std::uint16_t enable_operation = 0x0008;
 inline constexpr std::uint16_t new_set_point = 0x0010;  ///< profile position; homing: start
 inline constexpr std::uint16_t change_at_once = 0x0020;
@@ -40,8 +40,9 @@ inline constexpr std::uint16_t set_point_acknowledge = 0x1000;  ///< speed 0, ho
 inline constexpr std::uint16_t following_error = 0x2000;        ///< homing error
 }  // namespace statusword
 
-/// What the master's word makes of a state: transitions 2 to 12, 15 and 16. `fault_reset`: bit 7 has risen.
-/// `stays_in_quick_stop`: 605AH is 5 to 8, operation can be enabled again (16). Two transitions at once, 3 and 4, are one.
+/// The next state after a controlword: transitions 2 to 12, 15 and 16. `fault_reset`: bit 7 has risen.
+/// `stays_in_quick_stop`: 605AH is 5 to 8, operation can be enabled again (16). Two transitions at once, 3
+/// and 4, are one.
 [[nodiscard]] DriveState next_state(DriveState state, std::uint16_t controlword, bool fault_reset,
                                     bool stays_in_quick_stop) noexcept;
 

@@ -29,7 +29,7 @@ void Motion::begin(can::Time now) noexcept {
   count_ = 0;
 }
 
-/// To this velocity.
+/// Adds a segment to this velocity.
 void Motion::add(double velocity, double acceleration) noexcept {
   const double change = velocity - last_.velocity;
   if (change == 0) return;
@@ -45,7 +45,7 @@ void Motion::go_on_for(double seconds) noexcept {
   last_.position += last_.velocity * seconds;
 }
 
-/// What was added ends exactly here, not where the sum of many roundings is.
+/// Sets the exact end position, without the sum of rounding errors.
 void Motion::finish(double position) noexcept {
   last_.position = position;
   double seconds = 0;

@@ -1,6 +1,6 @@
 #pragma once
-// The way of one axis over time: stretches of constant acceleration. Where it is at any moment follows from the formula,
-// not from steps: it does not matter how often one looks.
+// The motion of one axis over time: segments of constant acceleration. The position at any moment follows
+// from the formula, not from steps, so it does not depend on the sampling.
 
 #include <array>
 #include <cstddef>
@@ -24,14 +24,14 @@ class Motion {
     double acceleration = 0;
   };
 
-  /// It stands here.
+  /// Sets the position, with velocity 0.
   void stand(double position) noexcept;
   /// From what it does now to rest at `target`, in the shortest time within the limits. A motion that is too fast, or that
   /// goes the other way or past the target, brakes first.
   void move_to(double target, const MotionLimits& limits, can::Time now) noexcept;
   /// From what it does now to this velocity, signed, and on with it. `limits.speed` does not apply.
   void run_at(double velocity, const MotionLimits& limits, can::Time now) noexcept;
-  /// To rest.
+  /// Decelerates to rest.
   void stop(double deceleration, can::Time now) noexcept;
 
   [[nodiscard]] State at(can::Time now) const noexcept;

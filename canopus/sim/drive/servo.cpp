@@ -89,8 +89,8 @@ bool Servo::owns(std::uint16_t index, std::uint8_t sub) const noexcept {
       shown, [&](const Entry& entry) { return entry && entry.index == index && entry.sub == sub; });
 }
 
-// The supply came, or the node was reset: the axis stands where it stands, and is homed no more after a reset of the
-// supply alone, which a simulated device has only once.
+// The supply came, or the node was reset: the axis keeps its position, and is not homed any more after a
+// reset of the supply alone, which a simulated device has only once.
 void Servo::start(Device&, can::Time now) {
   motion_.stand(motion_.at(now).position);
   state_ = DriveState::not_ready_to_switch_on;
@@ -228,7 +228,7 @@ void Servo::serve_mode(const Device& device, const Asked& asked, can::Time now) 
   }
 }
 
-/// A limit switch stops whatever goes on towards it, but for a search for it.
+/// A limit switch stops a motion towards it, except homing on this switch.
 void Servo::obey_switches(const Device& device, can::Time now) {
   const Motion::State is = motion_.at(now);
   at_low_ = settings_.low_switch && is.position <= *settings_.low_switch;
@@ -293,7 +293,7 @@ bool Servo::show(Device& device, std::uint16_t word, can::Time now) {
   seen = put(device, objects_.digital_inputs, (at_low_ ? 1 : 0) + (at_high_ ? 2 : 0)) || seen;
   seen = put(device, objects_.mode_display, static_cast<double>(mode_)) || seen;
 
-  // What is forced may be elsewhere than the motor should be.
+  // A forced position may differ from the motor's demand.
   const auto window = value<std::uint32_t>(device, objects_.following_error_window, no_window);
   const double behind = std::abs(position - value<std::int32_t>(device, objects_.position_actual));
   if (state_ == DriveState::operation_enabled && window != no_window && behind > window + 1.0) {

@@ -1,7 +1,8 @@
 #pragma once
-// A servo drive as CiA 402 describes it, with its motor and its axis: state machine, profile position, profile velocity
-// and homing. Positions are in the units of 6064H, speeds in those per second. The motor follows its demand exactly; what
-// blocks it is a script that forces 6064H, and the drive then sees a following error.
+// A servo drive as CiA 402 describes it, with its motor and its axis: state machine, profile position,
+// profile velocity and homing. Positions are in the units of 6064H, speeds in those per second. The motor
+// follows its demand exactly; a script that forces 6064H blocks it, and the drive then detects a following
+// error.
 
 #include <cstdint>
 #include <expected>
@@ -19,11 +20,11 @@ namespace canopus::sim {
 
 /// The axis, in the units of 6064H from where the machine counts; the drive counts from where it was homed.
 struct ServoSettings {
-  double start = 0;                     ///< where it stands at power-on
+  double start = 0;                     ///< position at power-on
   std::optional<double> low_switch{};   ///< the negative limit switch acts from here down
   std::optional<double> high_switch{};  ///< the positive one from here up
   double revolution = 10'000;           ///< between two index pulses, > 0; one is at 0
-  /// What happens to it: the drive reports this code (603FH, EMCY) and is in fault.
+  /// A fault: the drive reports this code (603FH, EMCY) and is in fault.
   struct Fault {
     can::Time at{};
     std::uint16_t code = 0;
@@ -33,11 +34,11 @@ struct ServoSettings {
 
 class Servo final : public DeviceApplication {
  public:
-  /// How often it looks at its motion while it moves.
+  /// Sampling interval of its motion while it moves.
   static constexpr can::Duration sample_interval = std::chrono::milliseconds(1);
 
-  /// Or which object the drive lacks, in words for the plant file's author. 6040H, 6041H, 6060H, 6061H and 6064H must be
-  /// there; each other one has its effect where it is.
+  /// The error names the missing object, for the plant file's author. 6040H, 6041H, 6060H, 6061H and 6064H
+  /// must be there; each other object is optional.
   [[nodiscard]] static std::expected<std::unique_ptr<Servo>, std::string> make(
       const canopen::DictionaryDescription& description, ServoSettings settings);
 
@@ -66,7 +67,7 @@ class Servo final : public DeviceApplication {
         profile_speed, acceleration, deceleration, quick_stop_deceleration, homing_method, speed_to_switch,
         speed_to_zero, homing_acceleration, digital_inputs, target_velocity, supported_modes;
   };
-  /// What the program asks for now.
+  /// The present command of the program.
   struct Asked {
     std::uint16_t word = 0;
     std::uint16_t risen = 0;  // bits of it

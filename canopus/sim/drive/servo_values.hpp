@@ -1,5 +1,5 @@
 #pragma once
-// How a servo reads and puts its objects.
+// Read and write access of a servo to its objects.
 
 #include <cstdint>
 
@@ -8,7 +8,7 @@
 
 namespace canopus::sim {
 
-/// What everybody sees there; `otherwise`: the drive has no such object.
+/// The effective value; `otherwise`: the drive has no such object.
 template <typename T>
 [[nodiscard]] T value(const Device& device, const canopen::Entry& entry, T otherwise = {}) {
   return entry ? device.node().dictionary().get<T>(entry) : otherwise;
@@ -21,7 +21,7 @@ template <typename T>
   return number == 0 ? as_much_as_there_is : number;
 }
 
-/// False: nobody sees another value than before.
+/// False: the effective value is unchanged.
 inline bool put(Device& device, const canopen::Entry& entry, double number) {
   if (!entry) return false;
   const canopen::Limits limits = device.node().dictionary().description().limits(entry);
