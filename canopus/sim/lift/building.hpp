@@ -1,6 +1,7 @@
 #pragma once
-// A lift, or a group of equal lifts, in a building: cars, doors, panels and the people in it, behind CiA 417 devices. It knows
-// physics and people; how the lifts are controlled is somebody else's, who sees the devices' objects alone.
+// A lift, or a group of equal lifts, in a building: cars, doors, panels and the people in it, behind CiA 417
+// devices. It simulates physics and people; the lift controller is outside, and accesses only the devices'
+// objects.
 //
 // The devices are simulated ones of their own (sim::Device) with an application() of this building each. The building is a
 // participant of the timeline that moves everything in steps of 10 ms while something moves.
@@ -42,7 +43,7 @@ class Building final : public can::Ticker {
 
   [[nodiscard]] const BuildingSettings& settings() const { return settings_; }
   [[nodiscard]] std::span<const Unit> units() const { return units_; }
-  /// What the device of this unit does. The building must outlive it.
+  /// The application of this unit's device. The building must outlive it.
   [[nodiscard]] std::unique_ptr<DeviceApplication> application(std::size_t unit);
   /// Before the first tick; both must outlive it, nullptr for none.
   void connect(LiftDevices* devices, LiftObserver* observer) {
@@ -68,8 +69,8 @@ class Building final : public can::Ticker {
     std::array<canopen::Entry, 5> inputs{};
     Values values{};              // last put
     Mapping output{};             // 6011H, last seen
-    std::uint16_t emergency = 0;  // to be sent
-    bool recovers = false;        // emergency reset to be sent
+    std::uint16_t emergency = 0;  // to send
+    bool recovers = false;        // emergency reset to send
     can::Time due = can::never;
   };
   struct Transfer {

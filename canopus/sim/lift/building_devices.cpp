@@ -79,7 +79,7 @@ bool Building::act(std::size_t unit, Device& device, can::Time now) {
   return changed;
 }
 
-/// A virtual input is an event even when it says what the last one said.
+/// A virtual input is an event even when it equals the last one.
 bool Building::act_as_panel(std::size_t unit, Device& device, can::Time now) {
   Shown& shown = shown_[unit];
   Panel& panel = panels_[unit];

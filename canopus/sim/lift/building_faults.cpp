@@ -1,4 +1,4 @@
-// What is broken in a building, and for how long.
+// The faults of a building, and their durations.
 
 #include <algorithm>
 

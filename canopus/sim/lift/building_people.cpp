@@ -77,7 +77,7 @@ void Building::board_and_leave(std::size_t number, can::Time now) {
   if (car.transfer && car.transfer->end <= now) end_transfer(number, now);
   if (car.transfer) return;
   const auto floor = floor_of(car, now);
-  // Whoever stepped back out of it presses again when it has gone.
+  // A person who stepped back out of it presses again when it has gone.
   for (std::size_t i = present_; i < coming_; ++i) {
     Passenger& passenger = passengers_[i];
     if (passenger.state == Passenger::State::waiting && passenger.car == number && floor != passenger.from)

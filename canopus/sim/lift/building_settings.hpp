@@ -1,5 +1,5 @@
 #pragma once
-// What a building with lifts is made from.
+// The settings of a building with lifts.
 
 #include <cstdint>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
-// A car door unit with its light barrier [CiA 417; FX3U-CAN 5.10.4 to 5.10.6]: it takes time, and reopens when somebody stands
-// in the doorway.
+// A car door unit with its light barrier [CiA 417; FX3U-CAN 5.10.4 to 5.10.6]: it takes time, and reopens
+// when a person stands in the doorway.
 
 #include <cstdint>
 

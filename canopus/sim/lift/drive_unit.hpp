@@ -15,7 +15,7 @@ struct DriveSettings {
   double highest = 0;  ///< mm
 };
 
-/// What a car drive controller has sent.
+/// The command of a car drive controller.
 struct DriveCommand {
   std::uint16_t control_word = 0;      ///< 6400H
   std::int8_t mode = 0;                ///< 6403H: 1 profile position, 3 profile velocity; others do nothing
@@ -38,7 +38,7 @@ class DriveUnit {
 
   DriveUnit(const DriveSettings& settings, double position) : settings_(settings), motion_(position) {}
 
-  /// Follows what the controller says; to be called at each step and whenever a command came.
+  /// Follows the controller's command. Call it at each step and after each command.
   void command(const DriveCommand& command, can::Time now);
   /// The safety circuit has opened, or the drive itself is broken: brake, then fault. `stays`: fault reset has no effect
   /// until repaired().

@@ -1,5 +1,5 @@
 #pragma once
-// What may be broken in a lift, from when and how long.
+// Faults of a lift, with their start and duration.
 
 #include <cstdint>
 

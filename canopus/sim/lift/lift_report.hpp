@@ -1,5 +1,5 @@
 #pragma once
-// What there is to say of lifts: events as they happen, and the count at the end.
+// Reports of lifts: events as they happen, and the statistics at the end.
 
 #include <cstdint>
 #include <vector>
@@ -12,7 +12,7 @@ namespace canopus::sim::lift {
 struct LiftEvent {
   enum class Kind : std::uint8_t {
     started,      ///< the car began to move
-    stopped,      ///< and stands again
+    stopped,      ///< and is at rest again
     door_opened,  ///< fully
     door_closed,
     door_reversed,    ///< began to reopen
@@ -40,7 +40,7 @@ struct LiftEvent {
   LiftFault::Kind fault = LiftFault::Kind::light_barrier_blocked;
 };
 
-/// Hears it at once.
+/// Callbacks of these events.
 class LiftObserver {
  public:
   virtual void lift_event(const LiftEvent&) {}
@@ -51,7 +51,7 @@ class LiftObserver {
   ~LiftObserver() = default;
 };
 
-/// Of one car.
+/// The counts of one car.
 struct CarCounts {
   std::uint32_t starts = 0;
   std::uint32_t door_cycles = 0;  ///< times a door left its closed position
@@ -75,7 +75,7 @@ struct LiftReport {
   std::uint32_t passengers = 0;       ///< of the whole run
   std::uint32_t came = 0;             ///< so far
   std::uint32_t arrived = 0;
-  // From coming to boarding, from boarding to arriving, of those who have.
+  // From coming to boarding, and from boarding to arriving, of the passengers that have done so.
   can::Duration mean_waiting{}, longest_waiting{};
   can::Duration mean_travel{}, longest_travel{};
 

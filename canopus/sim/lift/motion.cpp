@@ -30,7 +30,7 @@ struct Motion::Ramp {
 
 Motion::Ramp Motion::ramp(double velocity, double acceleration, double target, const MotionLimits& limits) {
   const double jerk = limits.jerk;
-  // What is left to change once the acceleration is taken back.
+  // The remaining change of velocity after the acceleration has returned to 0.
   const double rest = target - velocity - acceleration * std::abs(acceleration) / (2 * jerk);
   const double sign = rest < 0 ? -1 : 1;
   const double from = sign * acceleration;

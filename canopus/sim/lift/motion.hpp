@@ -1,6 +1,7 @@
 #pragma once
-// Motion with limited speed, acceleration and jerk: the S-curve of a drive. A plan is a few pieces of constant jerk, worked
-// out once; where it is at any moment is a formula, so that it arrives exactly and does not depend on how often one looks.
+// Motion with limited speed, acceleration and jerk: the S-curve of a drive. A plan is a few segments of
+// constant jerk, computed once; the position at any moment is a formula, so that it arrives exactly and does
+// not depend on the sampling.
 
 #include <array>
 #include <cstddef>

@@ -31,9 +31,10 @@ class Panel {
   Panel(std::uint8_t floor, std::uint8_t lifts, unsigned door)
       : floor_(floor), lifts_(lifts), door_bit_(static_cast<std::uint8_t>(1U << door)) {}
 
-  /// Somebody presses a button now, and lets go after 0.3 s. A panel without supply, or with all messages waiting, loses it.
+  /// A person presses a button now, and releases it after 0.3 s. A panel without supply, or with all messages
+  /// waiting, loses it.
   void press(std::uint8_t basic, std::uint8_t sub, can::Time now);
-  /// The next message to be sent, if there is one now.
+  /// The next message to send, if there is one now.
   [[nodiscard]] std::optional<Mapping> next_input(can::Time now);
   /// When there is one; now at the earliest, can::never without.
   [[nodiscard]] can::Time deadline(can::Time now) const;

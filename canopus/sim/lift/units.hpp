@@ -1,9 +1,9 @@
 #pragma once
 // The CiA 417 devices of a building: which there are, with which objects, and their device files.
 //
-// Objects of lift n lie 0800H x (n - 1) above those of lift 1, CAN-IDs 10H x (n - 1). A PDO has the number that its other end
-// has in a lift controller (1903H of a drive goes to 1503H of a controller), so that no device of one kind stands in
-// another's way.
+// Objects of lift n are 0800H x (n - 1) above those of lift 1, CAN-IDs 10H x (n - 1). A PDO has the number
+// that its other end has in a lift controller (1903H of a drive goes to 1503H of a controller), so that no
+// device of one kind stands in another's way.
 
 #include <cstdint>
 #include <memory>
@@ -25,7 +25,7 @@ enum class UnitKind : std::uint8_t {
 
 inline constexpr unsigned most_lifts = 8;
 inline constexpr unsigned most_doors = 3;      ///< of a car: door 4 has no PDO [FX3U-CAN 5.6]
-inline constexpr unsigned highest_panel = 64;  ///< node-ID: a lift controller hears no others [FX3U-CAN 5.6]
+inline constexpr unsigned highest_panel = 64;  ///< node-ID; a controller ignores higher ones [FX3U-CAN 5.6]
 
 /// One device.
 struct Unit {
@@ -45,7 +45,7 @@ struct Unit {
 /// "lift 1 drive", "lift 1+2 floor 3": for people.
 [[nodiscard]] std::string name(const Unit& unit);
 
-/// What the device is made from. It depends on kind, lift and door, not on the floor.
+/// The device's description. It depends on kind, lift and door, not on the floor.
 [[nodiscard]] std::shared_ptr<const eds::DeviceFile> device_file(const Unit& unit);
 /// The same as an EDS file [CiA 306].
 [[nodiscard]] std::string eds_text(const Unit& unit);
