@@ -75,7 +75,7 @@ class ClientPort final : public can::Participant, private can::BusObserver {
   void errors_reported(std::span<const can::BusErrorReport> reports, can::Time now) override {
     if (client_ == nullptr) return;
     const auto own = std::ranges::find(reports, &port_, &can::BusErrorReport::port);
-    // Missing acknowledgements are said once, as above.
+    // Missing acknowledgements are reported once, as above.
     if (own == reports.end() || own->error == can::BusError::acknowledgement) return;
     tell(can::error_frame(*own).identifier, now);
   }

@@ -12,9 +12,9 @@
 
 namespace canopus::serve {
 
-/// What a server has to say of its clients, as errors of one source. Whoever connects again and again must
-/// not fill the events: at most so many lines a second of plant time; how many were left out is said with the
-/// next one.
+/// Reports of a server about its clients, as errors of one source. Repeated connections must not flood the
+/// event log: the number of lines a second of plant time is limited; the next line has the number of
+/// suppressed ones.
 class ClientReports {
  public:
   static constexpr unsigned most_lines = 5;

@@ -1,5 +1,5 @@
 #pragma once
-// The lines of the control server, as JSON: what is common to all requests and answers (docs/control.md).
+// The lines of the control server, as JSON: common to all requests and answers (docs/control.md).
 
 #include <expected>
 #include <initializer_list>
@@ -12,7 +12,7 @@
 namespace canopus::serve {
 
 using Json = text::Json;
-/// What a request leads to, or a sentence that says why nothing was done.
+/// The result of a request, or a sentence with the reason of its refusal.
 template <typename Value>
 using Result = std::expected<Value, std::string>;
 
@@ -39,7 +39,7 @@ class ControlFields {
 /// The answer's line, with its line feed. `fields` is what came: no object, when it was no JSON object.
 [[nodiscard]] std::string control_answer(const Json& fields, const Result<Json>& result, can::Time now);
 
-/// What came as a line; no object when it is no JSON object.
+/// Parses a line; the result is no object if the line is not a JSON object.
 [[nodiscard]] inline Json control_request(std::string_view line) {
   return text::parse_json(line).value_or(Json());
 }

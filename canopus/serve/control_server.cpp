@@ -64,7 +64,7 @@ class ControlServer::Connection : public link::TcpClient<Connection> {
  private:
   enum class State : std::uint8_t {
     reads,  // up to the end of a line
-    waits,  // for the answer; it reads on, to see its client leave
+    waits,  // for the answer; it continues reading to detect the client's disconnect
     sends,
     ends,  // with the answer that is being sent
   };
@@ -82,7 +82,7 @@ class ControlServer::Connection : public link::TcpClient<Connection> {
   void received(const error_code& error, std::size_t count) {
     if (error) {
       if (state_ != State::sends) return end();
-      state_ = State::ends;  // who has closed its side may still read
+      state_ = State::ends;  // a client that has closed its side may still read
       return;
     }
     heard_at_ = WallClock::now();

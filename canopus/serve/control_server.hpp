@@ -2,9 +2,9 @@
 // The control server of a plant: a TCP server that answers lines of JSON (device_control.hpp, docs/control.md).
 // It runs on the event loop that owns the plant, in its thread.
 //
-// Clients cannot disturb each other or the plant: lines have a greatest length, a client that does not take its
-// answers is asked nothing more and loses its connection after a while, and one that has been silent gives way
-// when all connections are taken. Whatever ends a connection but its client is reported.
+// Clients cannot disturb each other or the plant: lines have a greatest length, requests of a client that
+// does not read its answers are not processed, and its connection is closed after a while; an idle client is
+// closed when all connections are in use. A connection that its client did not end is reported.
 
 #include <chrono>
 #include <cstddef>
@@ -22,18 +22,18 @@
 namespace canopus::serve {
 
 struct ControlServerOptions {
-  link::AllowList allowed{};  ///< who may connect
+  link::AllowList allowed{};  ///< clients that may connect
   /// A further client takes the place of the one from which nothing has come for the longest time, and which
   /// waits for no answer; when that is shorter than `gives_way_after`, it is closed at once.
   std::size_t maximum_clients = 16;
   std::chrono::milliseconds gives_way_after{10000};
-  /// Of a request, without its line feed. A longer one is answered with an error and ends the connection.
+  /// Longest request without its line feed. A longer one is answered with an error and ends the connection.
   std::size_t longest_line = 4096;
   /// From the beginning of a request to its line feed.
   std::chrono::milliseconds half_line_timeout{5000};
   /// From an answer that the client does not take to the end of its connection.
   std::chrono::milliseconds send_timeout{30000};
-  /// So many bytes of further lines are read while a client waits for an answer.
+  /// Most bytes of further lines that are read while a client waits for an answer.
   std::size_t most_waiting = 65536;
 };
 

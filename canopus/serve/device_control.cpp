@@ -49,7 +49,7 @@ Json plate_of(const plant::NodeLabel& label) {
   return {{"bus", label.bus}, {"node", label.node_id}, {"name", label.name}};
 }
 
-/// As the engineering tool's module diagnostics show it.
+/// A module's status as in the engineering tool's module diagnostics.
 Json module_json(const plant::ModuleStatus& status, const std::vector<module::ModuleErrorRecord>& errors) {
   const module::ModuleInformation& information = status.information;
   Json leds = Json::array();

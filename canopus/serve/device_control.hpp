@@ -1,6 +1,6 @@
 #pragma once
-// What the control server of a plant can be asked: which devices there are, their values, and to force and
-// release them. One JSON object in a line is a request, one is its answer. docs/control.md describes them.
+// Requests of the control server of a plant: list the devices, read, force and release their values. One JSON
+// object in a line is a request, one is its answer. docs/control.md describes them.
 
 #include <cstddef>
 #include <string>
@@ -20,8 +20,8 @@ class DeviceControl {
  public:
   explicit DeviceControl(plant::Plant& plant) : plant_(plant) {}
 
-  /// The answer to a request, one line with its line feed, whatever came in. The plant's timeline stands at
-  /// now.
+  /// The answer to a request, one line with its line feed, also to an invalid one. The plant's timeline must
+  /// be at the present time.
   [[nodiscard]] std::string answer(std::string_view request);
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// Durations in classes, for people who judge how late something was.
+// Durations in classes, to judge latencies.
 
 #include <algorithm>
 #include <array>
@@ -24,7 +24,7 @@ class Histogram {
 
   void add(Duration duration) { all_.push_back(duration); }
   [[nodiscard]] std::size_t count() const noexcept { return all_.size(); }
-  /// How many are in the class of that number, 0..ends.size().
+  /// The count in the class of that number, 0..ends.size().
   [[nodiscard]] std::size_t in_class(std::size_t number) const {
     return static_cast<std::size_t>(std::ranges::count_if(all_, [number](Duration duration) {
       return static_cast<std::size_t>(std::ranges::upper_bound(ends, duration) - ends.begin()) == number;
@@ -55,8 +55,8 @@ class Histogram {
   std::vector<Duration> all_;
 };
 
-/// How late each event of a periodic one came, against the most punctual of them; the n-th moment is that of the n-th period.
-/// Whoever lost an event sees all later ones a period late.
+/// The delay of each event of a periodic series, relative to the most punctual one; the n-th moment is that
+/// of the n-th period. A lost event makes all later ones a period late.
 [[nodiscard]] inline Histogram lateness(std::span<const std::chrono::nanoseconds> moments,
                                         std::chrono::nanoseconds period) {
   std::vector<std::chrono::nanoseconds> offsets;

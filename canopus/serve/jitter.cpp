@@ -31,10 +31,10 @@ using namespace std::chrono_literals;
 
 constexpr std::uint32_t sync = 0x80;
 constexpr std::uint32_t response = 0x581;
-/// So long a plant needs at most until its first SYNC, and another bus until it carries frames.
+/// Longest time of a plant until its first SYNC, and of another bus until it carries frames.
 constexpr can::Duration start_up = 2s;
 
-/// As cyclictest does: sleeps until a moment and looks at the clock.
+/// As cyclictest does: sleeps until a moment and reads the clock.
 Histogram sleep_jitter(const JitterOptions& options, std::vector<std::string>& refused) {
   Histogram histogram;
   std::thread thread([&] {
@@ -57,7 +57,7 @@ Histogram sleep_jitter(const JitterOptions& options, std::vector<std::string>& r
   return histogram;
 }
 
-/// The other program: writes down when SYNC comes, and asks for an object now and then.
+/// The other program: records the times of SYNC, and reads an object periodically.
 class Watcher final : private link::BusClientListener {
  public:
   Watcher(asio::io_context& io, link::BusClient& bus, nanoseconds period)
@@ -177,7 +177,7 @@ std::expected<JitterResult, std::string> measure_jitter(const JitterOptions& opt
   Watcher watcher(far_io, *ends->far, options.period);
   auto work = asio::make_work_guard(far_io);
   std::thread other([&] {
-    // What looks at the clock must not be late itself; but not on the plant's processor.
+    // The measuring thread must have no delay itself; but it must not run on the plant's processor.
     if (options.real_time) (void)ask_for_real_time({.priority = options.real_time->priority});
     far_io.run();
   });

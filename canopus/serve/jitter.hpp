@@ -1,6 +1,6 @@
 #pragma once
-// How punctual a plant is on this machine: its SYNC and its answers as another program sees them, beside what the machine does
-// to a thread that only sleeps.
+// The latencies of a plant on this machine: those of SYNC and of answers, measured by another program, beside
+// those of a thread that only sleeps.
 
 #include <chrono>
 #include <expected>

@@ -17,7 +17,7 @@
 
 namespace canopus::serve {
 
-/// Opens them when the plant is built, and lets them go when it runs.
+/// Opens them when the plant is built, and starts them when it runs.
 class LinkedBuses final : public plant::BusOpener {
  public:
   /// `plant_path` is what paths of traces are relative to. In virtual time only traces can be opened: a plant that runs ahead

@@ -17,11 +17,11 @@ namespace canopus::serve {
 
 using MelsecServerOptions = TcpServerOptions;
 
-/// What the port is set to.
+/// The settings of a port.
 struct MelsecPort {
   bool udp = false;
   plc::melsec::PortSettings settings{};
-  /// Who may write, as the settings have it; everybody else never. None: all may.
+  /// Clients that may write, as far as the settings allow; others never. None: all may.
   std::optional<link::AllowList> writers{};
 };
 

@@ -13,10 +13,10 @@
 
 namespace canopus::serve {
 
-/// What the port is set to.
+/// The settings of a port.
 struct ModbusPort {
   plc::modbus::Settings settings{};
-  /// Who may write, as the settings have it; everybody else never. None: all may.
+  /// Clients that may write, as far as the settings allow; others never. None: all may.
   std::optional<link::AllowList> writers{};
 };
 

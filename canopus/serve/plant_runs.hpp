@@ -1,7 +1,7 @@
 #pragma once
-// "So many scans, then say so": what clients wait for, in plant time. In step with the clock the plant goes on
-// by itself, and everybody waits beside the others. In a plant that is driven in step (run --step) its time
-// moves only as long as somebody waits, for one after the other.
+// Runs of a given time or number of scans that clients wait for, in plant time. In real time the plant runs
+// by itself, and the runs are concurrent. In a plant that is driven in step (run --step) its time moves only
+// during a run, one run after the other.
 
 #include <cstdint>
 #include <functional>
@@ -22,10 +22,10 @@ class PlantRuns final : private can::Ticker {
   };
   /// Ends with the first of them that comes. Without any: never.
   struct Goal {
-    std::optional<std::size_t> plc{};      ///< whose scans and devices; none: the plant has no PLC
-    std::optional<std::uint64_t> scans{};  ///< so many scans have ended
+    std::optional<std::size_t> plc{};      ///< PLC of the scans and devices; none: the plant has no PLC
+    std::optional<std::uint64_t> scans{};  ///< the number of scans to run
     std::optional<can::Duration> duration{};
-    std::optional<PlcCondition> until{};  ///< looked at when it begins and at the end of each scan
+    std::optional<PlcCondition> until{};  ///< evaluated when it begins and at the end of each scan
   };
   struct Outcome {
     std::uint64_t scans = 0;   ///< that have ended meanwhile
@@ -43,16 +43,16 @@ class PlantRuns final : private can::Ticker {
 
   /// Begins at the plant's present moment, or in its turn. `done` comes by report(), or never after cancel().
   Number start(Goal goal, Done done);
-  /// Whoever waited is gone.
+  /// The client that waited has disconnected.
   void cancel(Number number);
 
-  /// Somebody waits for plant time to pass.
+  /// A run is waiting for plant time to pass.
   [[nodiscard]] bool wants_time() const noexcept;
-  /// How far the plant may run before somebody's run may be over.
+  /// How far the plant may run before a run may be over.
   [[nodiscard]] can::Time next() const noexcept { return deadline(); }
-  /// Calls `done` of what is over, and lets the next ones begin. Not to be called inside the timeline.
+  /// Calls `done` of the finished runs, and begins the next ones. Must not be called inside the timeline.
   void report();
-  /// The run of the plant ends: so does all that is waited for. report() is to follow.
+  /// The run of the plant ends, and with it all waiting runs. Call report() next.
   void end_all();
 
  private:

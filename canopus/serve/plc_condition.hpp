@@ -13,13 +13,13 @@ namespace canopus::serve {
 
 class PlcCondition {
  public:
-  /// An address as `canopus plc` takes it, one of == != < <= > >=, and a constant; a bit alone is meant to be ON.
-  /// A constant with a minus sign compares the word as -32768 to 32767. The error says what was expected; the
+  /// An address as `canopus plc` takes it, one of == != < <= > >=, and a constant; a bit alone means == 1. A
+  /// constant with a minus sign compares the word as -32768 to 32767. The error names what was expected; the
   /// rack must have the address.
   [[nodiscard]] static std::expected<PlcCondition, std::string> parse(std::string_view text,
                                                                       const plc::Rack& rack);
 
-  /// What a program's read at this moment would find; false when there is no supply.
+  /// Evaluates the values that a program would read at this moment; false when there is no supply.
   [[nodiscard]] bool holds(plc::Rack& rack, can::Time now) const;
 
  private:

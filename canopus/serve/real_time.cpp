@@ -21,7 +21,7 @@ namespace {
 static_assert(std::atomic<bool>::is_always_lock_free);
 std::atomic<bool> was_continued{false};  // the process was stopped (Ctrl-Z, SIGSTOP) and goes on
 
-/// How long the machine has slept since it was booted.
+/// The time that the machine has slept since boot.
 can::Duration time_asleep() {
   timespec with_sleep{};
   timespec without_sleep{};
@@ -69,13 +69,13 @@ void RealTime::touched() {
   if (std::min(timeline_.next(), end_) < armed_for_) arm();
 }
 
-// What is due is run by each access, so the timer need not be punctual for those that follow each other.
+// Each access runs what is due, so the timer need not be exact between consecutive accesses.
 void RealTime::accessed() {
   if (timeline_.next() != next_) touched();
 }
 
-// Each clock costs as much as the rest of an access: whether the machine slept is looked at once a second,
-// since the clock that counts stands still in a sleep anyway.
+// Each clock costs as much as the rest of an access: a sleep of the machine is checked once a second, because
+// CLOCK_MONOTONIC stops in a sleep anyway.
 Pace::Reading RealTime::read_clocks() {
   Pace::Reading reading;
   reading.elapsed = std::chrono::duration_cast<can::Duration>(WallClock::now() - started_);
@@ -95,7 +95,7 @@ Pace::Reading RealTime::read_clocks() {
 
 void RealTime::arm() {
   armed_for_ = std::min(pace_.wake_for(timeline_.next(), timeline_.now()), end_);
-  // A plant that is to stand still gets as far as that.
+  // A plant that pauses at `until` runs up to it.
   const can::Duration elapsed =
       pace_.elapsed_at(std::min(armed_for_, std::max(pace_.until(), timeline_.now())));
   timer_.expires_at(elapsed == can::Duration::max() ? WallClock::time_point::max() : started_ + elapsed);
@@ -114,7 +114,7 @@ void RealTime::wake() {
 void RealTime::advance() {
   const Pace::Reading reading = read_clocks();
   next_ = timeline_.next();
-  // What was to wait for others is not late.
+  // Deadlines delayed by wake_together() are not late.
   const can::Time due = std::min(std::max(next_, armed_for_), end_);
   const Pace::Step step = pace_.step(reading, timeline_.now(), due);
   lag_ = step.lag;

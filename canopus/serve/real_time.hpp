@@ -17,8 +17,8 @@ namespace canopus::serve {
 /// Keeps a plant in step with the machine's clock. One at a time in a process: it watches SIGCONT.
 class RealTime final : public link::LoopClock {
  public:
-  /// `io` is stopped when the plant's time has come to `end`; `observer` hears when the plant is late, or the
-  /// process had been suspended.
+  /// `io` is stopped when the plant's time reaches `end`; `observer` gets reports of lag and of suspensions
+  /// of the process.
   RealTime(boost::asio::io_context& io, plant::Plant& plant, plant::PlantObserver& observer, can::Time end);
   ~RealTime();
   RealTime(const RealTime&) = delete;
@@ -27,12 +27,12 @@ class RealTime final : public link::LoopClock {
   void start();
   /// Called after each suspension: plant time stood still, so what shows the time of day is behind.
   void set_resumed_handler(std::function<void()> handler) { resumed_ = std::move(handler); }
-  /// For a plant whose frames nobody outside waits for: Pace::wake_together(). To be called before start().
+  /// For a plant without external receivers of its frames: Pace::wake_together(). Call it before start().
   void wake_together(can::Duration longest) noexcept { pace_.wake_together(longest); }
-  /// Plant time goes so many times as fast as the clock from now on (0: it stands still), for this long, then it stands still.
+  /// Plant time runs at this multiple of the clock from now on (0: stopped), for this long, and then stops.
   /// Not for a plant with a bus outside. After start(), not inside of the timeline.
   void set_speed(double speed, can::Duration duration = can::Duration::max());
-  /// 0: it stands still.
+  /// 0: stopped.
   [[nodiscard]] double speed() const noexcept { return timeline_.now() < pace_.until() ? pace_.speed() : 0; }
   can::Time now() override;
   void touched() override;
@@ -40,7 +40,7 @@ class RealTime final : public link::LoopClock {
   void accessed() override;
   [[nodiscard]] can::Duration largest_lag() const noexcept { return largest_lag_; }
   [[nodiscard]] can::Duration lag() const noexcept { return lag_; }
-  /// So often the process was stopped and continued.
+  /// The number of times that the process was stopped and continued.
   [[nodiscard]] std::uint64_t continuations() const noexcept { return continuations_; }
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// What the system can do for a thread that must not be late.
+// System settings for a real-time thread.
 
 #include <optional>
 #include <string>
@@ -14,8 +14,8 @@ struct RealTimeThread {
   std::optional<unsigned> processor{};  ///< the only one it runs on
 };
 
-/// Asks for SCHED_FIFO, memory that is not paged out, and a processor, for the calling thread (memory: the process). What is
-/// refused is returned as sentences that say what to do; the thread goes on without it.
+/// Asks for SCHED_FIFO, memory that is not paged out, and a processor, for the calling thread (memory: the
+/// process). Refused requests are returned as sentences with the remedy; the thread continues without them.
 [[nodiscard]] std::vector<std::string> ask_for_real_time(const RealTimeThread& wanted);
 
 }  // namespace canopus::serve

@@ -5,7 +5,7 @@
 
 namespace canopus::serve {
 
-/// Of plant time, until a trace that has much at one moment is read on.
+/// Pause in plant time between portions of a trace with many frames at one moment.
 constexpr can::Duration portion_pause = std::chrono::milliseconds(1);
 
 std::expected<std::unique_ptr<ReplayBus>, std::string> ReplayBus::open(const std::string& path,
@@ -50,7 +50,7 @@ void ReplayBus::tick(can::Time now) {
   const std::size_t count = std::exchange(sent_count_, 0);
   const std::array<can::Frame, 16> sent = sent_;
   for (std::size_t i = 0; i < count && user_ != nullptr; ++i) user_->frame_sent(sent[i]);
-  // More than any bus carries in a moment: in a trace without end, whose times stand still, they are given in portions.
+  // More than any bus carries in a moment: an endless trace with equal times is played in portions.
   constexpr int most_at_once = 1000;
   for (int given = 0; at_ <= now; ++given) {
     if (given == most_at_once) {

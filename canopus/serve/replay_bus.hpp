@@ -1,5 +1,6 @@
 #pragma once
-// A trace as a bus: its frames come at their times, and what a plant sends there is taken and heard by nobody else.
+// A trace as a bus: its frames come at their times; frames that a plant sends there are accepted, and no
+// other node receives them.
 
 #include <array>
 #include <chrono>
@@ -34,10 +35,11 @@ class ReplayBus final : public link::BusClient, public can::Ticker {
 
  private:
   ReplayBus(std::unique_ptr<trace::TraceReader> reader, std::string channel, can::Timeline& timeline);
-  /// At once, where the user is to be told of something.
+  /// At once if there is something to report to the user.
   void set_alarm() { alarm() = sent_count_ > 0 || !mistake_.empty() ? timeline_.now() : at_; }
-  /// Reads up to the next frame; error frames are left out. After many that are not wanted it leaves the rest to the next
-  /// tick, a millisecond later: a plant that reads a stream without end goes on all the same.
+  /// Reads up to the next frame; error frames are left out. After many that the filter rejects it leaves the
+  /// rest to the next tick, a millisecond later: a plant that reads a stream without end goes on all the
+  /// same.
   void read_next();
   [[nodiscard]] bool wants(const trace::TraceRecord& record) const;
 
@@ -51,7 +53,7 @@ class ReplayBus final : public link::BusClient, public can::Ticker {
   std::array<can::Frame, 16> sent_{};
   std::size_t sent_count_ = 0;
   std::size_t mistakes_ = 0;  // of the file so far
-  std::string mistake_;       // to be told: the first one, and at the end how many there were
+  std::string mistake_;       // to report: the first one, and at the end their number
 };
 
 }  // namespace canopus::serve

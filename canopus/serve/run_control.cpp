@@ -16,7 +16,7 @@ namespace canopus::serve {
 
 namespace {
 
-/// The PLC whose scans and devices are meant: by its name, or the only one.
+/// The PLC of a request: by its name, or the only one.
 Result<std::size_t> plc_of(plant::Plant& plant, const ControlFields& fields) {
   const std::size_t count = plant.plc_count();
   std::vector<std::string_view> names;

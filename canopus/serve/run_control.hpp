@@ -1,6 +1,6 @@
 #pragma once
-// What the control server of a plant answers later: "run so many scans, then say so" (docs/control.md). The other
-// requests go to DeviceControl.
+// Requests that the control server of a plant answers later: "run this number of scans" (docs/control.md).
+// The other requests go to DeviceControl.
 
 #include <string_view>
 

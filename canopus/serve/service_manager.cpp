@@ -5,7 +5,7 @@
 namespace canopus::serve {
 namespace {
 
-/// Nobody need hear it: a manager that cannot be reached is no error of the run.
+/// The result is ignored: a manager that cannot be reached is no error of the run.
 void notify(const std::string& state) { (void)sd_notify(0, state.c_str()); }
 
 }  // namespace

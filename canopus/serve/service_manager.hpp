@@ -1,6 +1,6 @@
 #pragma once
-// Tells the service manager that started the program (systemd) how the run goes: ready, alive, stopping. Without one it
-// does nothing.
+// Notifies the service manager that started the program (systemd) of the run's state: ready, alive, stopping.
+// Without one it does nothing.
 
 #include <chrono>
 #include <string>
@@ -26,7 +26,7 @@ class ServiceManager {
   void stay_alive();
 
   boost::asio::steady_timer timer_;
-  std::chrono::microseconds watchdog_{};  ///< 0: nobody watches
+  std::chrono::microseconds watchdog_{};  ///< 0: no watchdog
 };
 
 }  // namespace canopus::serve

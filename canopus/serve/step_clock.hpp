@@ -5,7 +5,7 @@
 
 namespace canopus::serve {
 
-/// The time of a plant that is driven in step: it stands still while clients access the plant.
+/// The time of a plant that is driven in step: it is stopped while clients access the plant.
 class StepClock final : public link::LoopClock {
  public:
   explicit StepClock(const can::Timeline& timeline) : timeline_(timeline) {}

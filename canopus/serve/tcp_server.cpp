@@ -82,7 +82,7 @@ class TcpServer::Connection : public link::TcpClient<Connection>, private plc::E
   }
 
  private:
-  /// Bytes go where the session wants them when they are there: until then the END of a scan may move those before them.
+  /// space() is read when bytes have arrived: until then the END of a scan may move those before them.
   void receive() {
     if (is_receiving_ || is_sending_ || input_ended_ || session_->space().empty()) return;
     is_receiving_ = true;
@@ -109,7 +109,7 @@ class TcpServer::Connection : public link::TcpClient<Connection>, private plc::E
 
   void end_input(const error_code& error) {
     input_ended_ = true;
-    // What it has asked is still done and answered.
+    // Its pending requests are still executed and answered.
     if (is_waiting_ || !session_->output().empty()) return;
     end(error == asio::error::timed_out ? "does not answer the alive check any more" : nullptr);
   }

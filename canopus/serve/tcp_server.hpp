@@ -1,14 +1,14 @@
 #pragma once
-// A TCP server in front of a rack: one conversation per client, in whatever protocol its factory makes. It runs on the
-// event loop that owns the rack, in its thread, and answers a client as soon as its request is complete; of a rack with
-// a scan of its own at the END of the scan (plc/rack/end_processing.hpp). Clients that ask at the same time are answered
-// in the order in which the loop finds their requests. What a connection has received whole is done then, whatever has
-// become of its client.
+// A TCP server in front of a rack: one conversation per client, in the protocol of its factory. It runs on
+// the event loop that owns the rack, in its thread, and answers a client as soon as its request is complete;
+// of a rack with a scan of its own at the END of the scan (plc/rack/end_processing.hpp). Clients that ask at
+// the same time are answered in the order in which the loop finds their requests. Requests that a connection
+// has received completely are executed then, even if its client has disconnected.
 //
-// Clients cannot disturb each other or the bus: each has fixed buffers, is answered no further while it does
-// not take its replies, and loses its connection when it stops in the middle of a request. One that is silent
-// is asked whether it is still there, as a CPU does, and gives way when all connections are taken. Whatever
-// ends a connection but its client is reported.
+// Clients cannot disturb each other or the bus: each has fixed buffers, gets no further answers while it does
+// not read its replies, and loses its connection when it stops in the middle of a request. An idle one is
+// checked by TCP keep-alive, as a CPU does, and is closed when all connections are in use. A connection that
+// its client did not end is reported.
 
 #include <chrono>
 #include <cstddef>
@@ -68,13 +68,14 @@ class ConversationOf final : public Conversation {
 using MakeConversation = std::function<std::unique_ptr<Conversation>(const link::InternetAddress& client)>;
 
 struct TcpServerOptions {
-  link::AllowList allowed{};  ///< who may connect
+  link::AllowList allowed{};  ///< clients that may connect
   /// A CPU has 16 connections. A further client takes the place of the one that has asked nothing for the
   /// longest time; when that is shorter than `gives_way_after`, it is closed at once.
   std::size_t maximum_clients = 16;
   std::chrono::milliseconds gives_way_after{10000};
   /// A client from which nothing came for `alive_check_start` gets TCP keep-alive messages, one per interval.
-  /// So many without an answer end the connection: after 45 s as with a Q03UDVCPU [SH-080811 3.6].
+  /// The number of unanswered alive checks that ends the connection: after 45 s as with a Q03UDVCPU
+  /// [SH-080811 3.6].
   std::chrono::seconds alive_check_start{5};
   std::chrono::seconds alive_check_interval{5};
   int alive_checks = 8;

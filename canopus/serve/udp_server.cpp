@@ -56,7 +56,7 @@ struct UdpServer::Parts : std::enable_shared_from_this<Parts>, plc::EndProcessin
 void UdpServer::Parts::wait() {
   socket.async_wait(udp::socket::wait_read, [self = shared_from_this()](error_code error) {
     if (error || !self->socket.is_open()) return;
-    // What waits for the END of the scan does so where the system keeps it.
+    // Datagrams that wait for the END of the scan stay in the socket buffer.
     if (self->rack.answers_at_end()) return self->rack.end_processing().wait(*self);
     self->receive();
     if (self->socket.is_open()) self->wait();

@@ -3,10 +3,10 @@
 // event loop that owns the rack, in its thread. Of a rack with a scan of its own datagrams are read and answered at the END of
 // the scan (plc/rack/end_processing.hpp).
 //
-// A client is an address and port. What a conversation remembers of it (a monitor list, that it is unlocked) is kept for as
-// many clients as there are connections of TCP; one more takes the place of the one that has asked nothing for the
-// longest time. A flood of datagrams is read a few at a time, so that others have their turn; what the system cannot
-// keep meanwhile is lost, as datagrams are. Nothing waits for a client that does not read.
+// A client is an address and port. The state of its conversation (a monitor list, the unlocked password) is
+// kept for as many clients as there are TCP connections; one more replaces the client with the oldest
+// request. A flood of datagrams is read a few at a time, so that other servers have their turn; the system
+// drops those that its socket buffer cannot hold. Nothing waits for a client that does not read.
 
 #include <cstddef>
 #include <cstdint>
@@ -37,7 +37,7 @@ using MakeDatagramConversation =
     std::function<std::unique_ptr<DatagramConversation>(const link::InternetAddress& client)>;
 
 struct UdpServerOptions {
-  link::AllowList allowed{};         ///< who is answered
+  link::AllowList allowed{};         ///< clients that get answers
   std::size_t maximum_clients = 16;  ///< that are remembered
   std::size_t turn = 32;             ///< datagrams read before others have their turn
   std::size_t turn_at_end = 256;     ///< likewise at the END of a scan; further ones wait for the next

@@ -1,5 +1,5 @@
 #pragma once
-// A thread for what takes long and must not delay the plant: one thing after the other, and no more than so many that wait.
+// A thread for long jobs that must not delay the plant: one job after the other, with a bounded queue.
 
 #include <chrono>
 #include <cstddef>

@@ -21,7 +21,7 @@ void PlantSlices::run_slice(can::Time end) {
   can::Timeline& timeline = plant_.timeline();
   const can::Time slice_end = std::min(can::later(timeline.now(), slice_), end);
   const auto start = std::chrono::steady_clock::now();
-  // Who belongs to no part may look at any of them.
+  // Participants outside all partitions may access any of them.
   if (timeline.partition_count() == 0 || timeline.outside_next() <= slice_end) {
     timeline.run_until(slice_end);
   } else {

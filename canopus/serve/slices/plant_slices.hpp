@@ -1,7 +1,8 @@
 #pragma once
-// Runs a plant ahead of any clock. Parts that share nothing (can::Timeline::add_partition) run apart from each other, in slices of
-// plant time: one after the other, which keeps what they touch in the processor's caches, or on several threads. What they
-// say is put into one order at the end of each slice, so the output does not depend on slices or threads.
+// Runs a plant ahead of any clock. Partitions, which share nothing (can::Timeline::add_partition), run
+// independently in slices of plant time: one after the other, which keeps what they touch in the processor's
+// caches, or on several threads. Their events are sorted at the end of each slice, so the output does not
+// depend on slices or threads.
 
 #include <chrono>
 #include <cstddef>
@@ -21,15 +22,15 @@ class PlantSlices {
     /// takes less than 20 ms of real time: the longer a part runs, the less often its memory has to come into the caches.
     can::Duration least = std::chrono::milliseconds(100);
     can::Duration most = std::chrono::milliseconds(3'200);
-    /// Called whenever the parts have met, for who keeps back what happened in them.
+    /// Called when the partitions have joined, to deliver deferred events.
     std::function<void()> met{};
   };
-  /// The plant must outlive it. Nobody from outside accesses the plant while it runs.
+  /// The plant must outlive it. The plant must not be accessed from outside while it runs.
   PlantSlices(plant::Plant& plant, Use use);
 
   /// As can::Timeline::run_until().
   void run_until(can::Time end);
-  /// The same for one slice, which ends at `end` at the latest. For who has to look at something now and then.
+  /// The same for one slice, which ends at `end` at the latest: for callers with periodic checks.
   void run_slice(can::Time end);
 
  private:

@@ -13,7 +13,7 @@ namespace canopus::serve {
 /// Threads that do pieces of work beside the one that has it done.
 class WorkerThreads {
  public:
-  /// So many threads work, the caller of run() among them: with 1 there are no others.
+  /// The number of threads, including the caller of run(): 1 starts no others.
   explicit WorkerThreads(std::size_t count);
   ~WorkerThreads();
   WorkerThreads(const WorkerThreads&) = delete;
