@@ -60,7 +60,7 @@ std::string suggestion_of(std::string_view word, const std::vector<std::string>&
   return text::suggestion(word, std::vector<std::string_view>(known.begin(), known.end()));
 }
 
-/// What to say of an option that the command does not have.
+/// The error text for an option that the command does not have.
 std::string unknown_option(std::string_view word, Named chain, std::size_t level) {
   word = word.substr(0, word.find('='));
   for (std::size_t inner = level + 1; inner < chain.size(); ++inner) {
@@ -75,8 +75,8 @@ std::string unknown_option(std::string_view word, Named chain, std::size_t level
                        : fmt::format("unknown option \"{}\"; did you mean \"{}\"?", word, meant);
 }
 
-/// What to say of the first word that no command took, the innermost command's first; nothing when all were
-/// taken.
+/// The error text for the first argument that no command accepts, beginning with the innermost command;
+/// nothing when all were accepted.
 std::optional<std::string> unknown_word(Named chain) {
   for (std::size_t level = chain.size(); level-- > 0;) {
     const std::vector<std::string>& left_over = chain[level].left_over;
@@ -99,7 +99,7 @@ void print_lines(Output& out, const std::string& text) {
   for (std::string line; std::getline(lines, line);) out.line("{}", line);
 }
 
-/// What is wrong with the words.
+/// The error text for the arguments.
 std::string mistake(const Parsing& parsing) {
   const Named chain = parsing.commands;
   if (parsing.result == Parsing::Result::misfit) {

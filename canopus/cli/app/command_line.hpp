@@ -1,5 +1,5 @@
 #pragma once
-// The command line of the program: all commands there are, and words for somebody who mistyped one.
+// The command line of the program: all commands, and the error texts for mistyped ones.
 
 #include <span>
 #include <string>

@@ -36,7 +36,7 @@ std::vector<std::string> words_behind(const Command& command) {
   return words;
 }
 
-/// Of every command with commands in it: "canopus/trace) words;;"
+/// A case for every command with subcommands: "canopus/trace) words;;"
 std::string bash_script(const Command& program) {
   std::string commands, options, values, arguments;
   walk(program, [&](const Command& command) {
@@ -109,7 +109,7 @@ std::string zsh_function(const Command& command) {
   return "_" + replaced(replaced(command.full_name(), " ", "_"), "-", "_");
 }
 
-/// As _arguments wants a description: no brackets, no colons.
+/// A description for _arguments: no brackets, no colons.
 std::string zsh_text(const std::string& text) {
   return replaced(replaced(replaced(text, "[", "("), "]", ")"), ":", "\\:");
 }

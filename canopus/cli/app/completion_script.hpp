@@ -14,7 +14,7 @@ enum class Shell { bash, zsh, fish };
 /// "bash", "zsh", "fish"; nothing for another word.
 [[nodiscard]] std::optional<Shell> shell_of(std::string_view word);
 
-/// What to load in the shell, or to put where it looks for completions.
+/// The script to load in the shell, or to put into its folder of completions.
 [[nodiscard]] std::string completion_script(const Command& program, Shell shell);
 
 }  // namespace canopus::cli

@@ -56,7 +56,7 @@ void add_lines(std::string& page, const std::string& text) {
   page += ".fi\n";
 }
 
-/// A command that has a page of its own, or stands on the page of the command it is in.
+/// A command with a page of its own, or one described on its parent's page.
 void add_inner(std::string& page, const Command& command) {
   for (const Command& inner : command.commands()) {
     page += ".SS " + roff(inner.usage()) + "\n" + roff(inner.description()) + ".\n";

@@ -15,8 +15,8 @@ namespace {
 
 constexpr char interrupted = '\x03';  // Ctrl-C
 
-/// As long as it lives the terminal shows nothing of what is typed. Ctrl-C is a letter that ends the line: as a signal it would
-/// leave the terminal silent.
+/// Disables the terminal's echo for its lifetime. Ctrl-C is a character that ends the line: as a signal it
+/// would leave the echo off.
 class Silence {
  public:
   Silence() {
@@ -35,7 +35,8 @@ class Silence {
   termios before_{};
 };
 
-/// Up to the end of the line, byte by byte: what is behind it is for others. Nothing at the end of the input.
+/// Up to the end of the line, byte by byte: the input behind it belongs to other readers. Nothing at the end
+/// of the input.
 std::expected<std::optional<std::string>, std::string> read_line() {
   constexpr std::size_t most = 4096;
   std::string line;

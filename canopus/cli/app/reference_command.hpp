@@ -1,6 +1,6 @@
 #pragma once
-// The commands `canopus completion` and `canopus reference`: what a package, a shell and a site of documentation need to know of
-// the other commands.
+// The commands `canopus completion` and `canopus reference`: generate completions, manual pages and a
+// reference from the other commands, for shells, packages and documentation.
 
 #include <string_view>
 
@@ -8,7 +8,7 @@ namespace canopus::cli {
 
 class Command;
 
-/// To be added last: they describe `app` as it is when they run.
+/// Add them last: they describe `app` as it is when they run.
 void add_reference_commands(Command& app, int& exit_code, std::string_view version);
 
 }  // namespace canopus::cli

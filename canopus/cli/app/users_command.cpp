@@ -36,7 +36,7 @@ int fail(const std::string& sentence) {
   return users_failed;
 }
 
-/// Where line `number` begins and ends, its end of line included.
+/// The begin and end of line `number`, its end of line included.
 std::pair<std::size_t, std::size_t> place_of_line(std::string_view text, std::size_t number) {
   std::size_t begin = 0;
   for (std::size_t line = 1; line < number; ++line) begin = text.find('\n', begin) + 1;
@@ -54,14 +54,14 @@ std::expected<std::optional<web::WebAccount>, std::string> find_user(const std::
 }
 
 int write(const std::string& file, const std::string& text) {
-  // Nobody else reads it, from the first moment on.
+  // Only the owner may read it, from its creation on.
   const mode_t before = ::umask(077);
   const auto written = write_new_file(file, text);
   ::umask(before);
   return written ? users_done : fail(written.error());
 }
 
-/// What the file says so far; a new one is empty.
+/// The present contents of the file; empty for a new one.
 std::expected<std::string, std::string> text_before(const std::string& file) {
   std::error_code failure;
   const auto found = std::filesystem::symlink_status(file, failure);
@@ -74,7 +74,7 @@ int add_user(const UsersArguments& arguments) {
   if (!text) return fail(text.error());
   const auto before = find_user(*text, arguments.file, arguments.name);
   if (!before) return fail(before.error());
-  if (*before && !arguments.replaces) {  // before somebody types a password
+  if (*before && !arguments.replaces) {  // before the user types a password
     return fail(fmt::format("{}:{}: {} is a user already; --replace gives a new role and password",
                             arguments.file, (*before)->line, arguments.name));
   }

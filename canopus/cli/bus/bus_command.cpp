@@ -31,7 +31,7 @@ int with_bus(const BusOptions& options, const std::function<int(BusLoop&, can::D
   if (*time_out < std::chrono::milliseconds(1)) {
     return complain(exit_code::usage, "--timeout: expected at least 1ms");
   }
-  // To join takes a server a moment, however short the answers of the nodes may be.
+  // Joining a server takes longer than the nodes' answers.
   auto bus = BusLoop::open(*address, std::max<can::Duration>(*time_out, std::chrono::seconds(3)));
   if (!bus) return complain(exit_code::failed, bus.error());
   if (time == BusTime::of_this_process) (*bus)->extend_timeouts();

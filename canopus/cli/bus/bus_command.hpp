@@ -1,6 +1,6 @@
 #pragma once
-// What the commands that join a bus (sdo, nmt, scan, lss, master) have in common: their options, their exit
-// codes, and how they complain.
+// Common to the commands that join a bus (sdo, nmt, scan, lss, master): their options, exit codes and error
+// messages.
 
 #include <cstdint>
 #include <functional>
@@ -30,23 +30,23 @@ struct BusOptions {
   bool json = false;
 };
 
-/// --bus and --timeout (`time_out` says what it means), and --json where `with_json`.
+/// --bus and --timeout (`time_out` is its help text), and --json where `with_json`.
 void add_bus_options(Command& command, BusOptions& options, const char* time_out, bool with_json = true);
 
 /// "canopus: ..." on stderr; returns `code`.
 int complain(int code, std::string_view message);
 
 enum class BusTime : std::uint8_t {
-  of_this_process,  ///< while it stands still no time passes: no answer is late (BusLoop::extend_timeouts)
-  real,             ///< for who sends by the clock
+  of_this_process,  ///< while it is suspended no time passes: no answer is late (BusLoop::extend_timeouts)
+  real,             ///< for commands that send by the clock
 };
 
-/// Joins the bus, calls the action with it and the time-out; its result is the exit code. Complains itself
-/// about what is wrong with the options or the bus.
+/// Joins the bus, calls the action with it and the time-out; its result is the exit code. Prints an error
+/// itself about what is wrong with the options or the bus.
 int with_bus(const BusOptions& options, const std::function<int(BusLoop&, can::Duration)>& action,
              BusTime time = BusTime::of_this_process);
 
-/// Complains about an end of BusLoop::run() other than done; `time_over` is what to say of that.
+/// Prints an error for an end of BusLoop::run() other than done; `time_over` is the text for a timeout.
 int complain_of(BusLoop::End end, const BusLoop& bus, std::string_view time_over);
 
 using client::parse_node;

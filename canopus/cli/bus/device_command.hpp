@@ -1,5 +1,5 @@
 #pragma once
-// `canopus device`: the values of the simulated devices of a running plant, to look at and to force.
+// `canopus device`: reads and forces values of the simulated devices of a running plant.
 
 namespace canopus::cli {
 

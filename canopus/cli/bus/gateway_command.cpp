@@ -23,7 +23,7 @@ struct GatewayArguments {
   std::vector<std::string> allowed;
 };
 
-/// What is told of the controller to the gateway's clients.
+/// Reports a change of the controller's error state to the gateway's clients.
 void tell(client::Gateway& gateway, can::ErrorState& before, can::ErrorState now) {
   if (now == before) return;
   before = now;
@@ -31,7 +31,7 @@ void tell(client::Gateway& gateway, can::ErrorState& before, can::ErrorState now
   if (now == can::ErrorState::bus_off) gateway.controller_error(client::GatewayError::bus_off);
 }
 
-/// A standard error that nobody reads must not hold the clients up: what does not fit is left out.
+/// An unread standard error must not block the clients: a line that does not fit is dropped.
 void report_if_it_fits(std::string_view source, std::string_view sentence) {
   pollfd error{.fd = STDERR_FILENO, .events = POLLOUT, .revents = 0};
   const bool fits = ::poll(&error, 1, 0) == 1 && (error.revents & POLLOUT) != 0;

@@ -1,5 +1,5 @@
 #pragma once
-// What the lss commands share: their options, which device is meant, and what a service ended with.
+// Common to the lss commands: their options, the selection of a device, and the result of a service.
 
 #include <cstdint>
 #include <expected>
@@ -26,7 +26,7 @@ void show(const LssArguments& arguments, const text::Json& line, const std::stri
 [[nodiscard]] text::Json json(const lss::LssAddress& address);
 [[nodiscard]] std::string describe(const lss::LssAddress& address);
 
-/// What a service that had to succeed ended with, as an exit code.
+/// The exit code for the result of a service that had to succeed.
 int judge(const LssOnBus& on_bus, const BusLoop& bus, std::optional<lss::LssResult> result,
           std::string_view what);
 void all_to_waiting(LssOnBus& on_bus);

@@ -13,7 +13,7 @@ namespace canopus::cli {
 
 class LssOnBus final : public can::Participant, private lss::LssMasterListener, private can::Sink {
  public:
-  /// `time_out`: after which silence is the answer "nobody".
+  /// `time_out`: without an answer for this long there is no slave.
   LssOnBus(BusLoop& bus, can::Duration time_out)
       : bus_(bus), time_out_(time_out), master_(*this, *this, {.time_out = time_out}) {
     bus_.need({link::IdentifierFilter::only(lss::from_slave)});
@@ -38,8 +38,8 @@ class LssOnBus final : public can::Participant, private lss::LssMasterListener, 
     }
     return result_;
   }
-  /// The same for a service that a device has to answer which is known to be there: it may be busy with its
-  /// flash memory, and nothing is gained by giving it up soon.
+  /// The same for a service that a device found before must answer: it may be busy with its flash memory, so
+  /// the time-out is long.
   template <typename Service>
   std::optional<lss::LssResult> service_of_found(Service begin) {
     master_.set_time_out(std::max<can::Duration>(time_out_, std::chrono::seconds(1)));

@@ -22,10 +22,10 @@ using namespace std::chrono_literals;
 
 /// From a new bit rate to the first frame: an adapter is closed and opened for it.
 constexpr can::Duration settle_time = 100ms;
-/// For the other side to say that it has the new bit rate.
+/// Time limit for the transport to confirm the new bit rate.
 constexpr can::Duration longest_change = 2s;
-/// An answer may come too late, and frames of others may be in its way: silence at all bit rates is looked at once more, with
-/// so many times the time for each answer.
+/// An answer may come too late, and frames of others may be in its way: without an answer at all bit rates
+/// the search is repeated, with the time-out multiplied by this factor.
 constexpr std::array rounds{1, 4};
 
 std::string kilobits(std::uint32_t bit_rate) { return fmt::format("{:g} kbit/s", bit_rate / 1000.0); }
@@ -41,7 +41,7 @@ class OwnRate {
   OwnRate(const OwnRate&) = delete;
   OwnRate& operator=(const OwnRate&) = delete;
 
-  /// Begins; is_done() and failure() say what became of it.
+  /// Begins; is_done() and failure() have the result.
   void begin(std::uint32_t bit_rate) {
     if (is_terminal(STDERR_FILENO)) show_progress(Line("looking at {}", kilobits(bit_rate)));
     if (const auto begun = bus_.restart(bit_rate); !begun) failure_ = begun.error();
@@ -53,7 +53,8 @@ class OwnRate {
     if (answer && !*answer) failure_ = answer->error();
     return answer.has_value();
   }
-  /// The same, and waits for it and until the bus has settled. Not done: failure() says why, or the bus.
+  /// The same, and waits for it and until the bus has settled. Not done: failure() has the reason, or the
+  /// bus.
   BusLoop::End change(std::uint32_t bit_rate) {
     if (bit_rate == present_) return BusLoop::End::done;
     begin(bit_rate);
@@ -93,7 +94,7 @@ class SearchOnBus final : public can::Participant, private lss::LssSearchListene
   SearchOnBus(const SearchOnBus&) = delete;
   SearchOnBus& operator=(const SearchOnBus&) = delete;
 
-  /// Not done: the bit rate could not be changed, or the bus says why.
+  /// Not done: the bit rate could not be changed, or the bus has the reason.
   BusLoop::End run(std::uint8_t node, const LssAddress& address, can::Duration time_out) {
     finished_ = false;
     search_.set_time_out(time_out);
@@ -107,7 +108,7 @@ class SearchOnBus final : public can::Participant, private lss::LssSearchListene
     return end == BusLoop::End::done && !rate_.failure().empty() ? BusLoop::End::time_over : end;
   }
   [[nodiscard]] bool found() const noexcept { return found_; }
-  /// Where the device answered, bit/s; nothing: it did not.
+  /// The bit rate at which the device answered, bit/s; nothing: it did not.
   [[nodiscard]] std::optional<std::uint32_t> answered_at() const noexcept { return answered_at_; }
 
   void receive(const can::Frame& frame, can::Time now) override {
@@ -134,15 +135,16 @@ class SearchOnBus final : public can::Participant, private lss::LssSearchListene
   bool found_ = false;
 };
 
-/// What ended before it was done, as an exit code.
+/// Prints the reason of an incomplete change; returns an exit code.
 int complain_of_rate(const OwnRate& rate, BusLoop::End end, const BusLoop& bus) {
   end_progress();
   if (rate.failure().empty()) return complain_of(end, bus, "");
   return complain(exit_code::failed, rate.failure());
 }
 
-/// The first device without a node-ID that answers to a fastscan at the present bit rate; `end` says what ended the scan if not
-/// an answer or silence. An answer that came too late leads the scan astray: again, with twice the time.
+/// The first device without a node-ID that answers to a fastscan at the present bit rate; `end` is the reason
+/// if the scan ended without answer or silence. A late answer makes a scan fail: it is repeated with twice
+/// the time.
 std::optional<LssAddress> find_at_present_rate(BusLoop& bus, can::Duration time_out, BusLoop::End& end) {
   constexpr int most_attempts = 3;
   LssOnBus on_bus(bus, time_out);
@@ -153,12 +155,13 @@ std::optional<LssAddress> find_at_present_rate(BusLoop& bus, can::Duration time_
     result = on_bus.service([](auto& master, can::Time now) { return master.fastscan(now); });
   }
   if (!result) end = on_bus.end();
-  if (result == LssResult::silence) return std::nullopt;  // nobody is in configuration state
+  if (result == LssResult::silence) return std::nullopt;  // no slave in configuration state
   all_to_waiting(on_bus);
   return result == LssResult::done ? std::optional(on_bus.master().address()) : std::nullopt;
 }
 
-/// The first device without a node-ID, at the network's bit rate or another one; nothing: `code` says why.
+/// The first device without a node-ID, at the network's bit rate or another one; nothing: `code` has the
+/// reason.
 std::optional<LssAddress> find_unconfigured(BusLoop& bus, OwnRate& rate, can::Duration time_out, int& code) {
   std::vector<std::uint32_t> rates{rate.own()};
   for (const std::uint32_t one : lss::bit_rates) {
@@ -189,7 +192,7 @@ std::optional<LssAddress> find_unconfigured(BusLoop& bus, OwnRate& rate, can::Du
 
 int search(const LssArguments& arguments, BusLoop& bus, std::uint8_t node,
            const std::optional<LssAddress>& given, std::uint32_t own, can::Duration time_out) {
-  bus.set_complaint([](std::string_view) {});  // that nobody acknowledges at a wrong bit rate is no news
+  bus.set_complaint([](std::string_view) {});  // a missing acknowledge at a wrong bit rate is expected
   OwnRate rate(bus, own);
   int code = exit_code::done;
   const auto address = given ? given : find_unconfigured(bus, rate, time_out, code);

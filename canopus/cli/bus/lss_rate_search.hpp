@@ -4,8 +4,8 @@
 
 namespace canopus::cli {
 
-/// `lss search`: looks for one device at every bit rate of LSS, and gives it a node-ID and the bit rate of this network. An exit
-/// code.
+/// `lss search`: finds one device at every bit rate of LSS, and assigns a node-ID and the bit rate of this
+/// network. Returns an exit code.
 int lss_rate_search(const LssArguments& arguments);
 
 }  // namespace canopus::cli

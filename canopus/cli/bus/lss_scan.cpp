@@ -18,12 +18,13 @@ using lss::LssAddress;
 using lss::LssResult;
 using Json = text::Json;
 
-/// Of a fastscan: is anybody there, and for each part 32 bits and a confirmation.
+/// Requests of a fastscan: presence of a slave, and for each part 32 bits and a confirmation.
 constexpr unsigned fastscan_questions = 1 + 4 * 33;
-/// Of a slow scan: is anybody there, 32 bits of revision and serial number, six frames each; the selection.
+/// Requests of a slow scan: presence of a slave, 32 bits of revision and serial number, six frames each; the
+/// selection.
 constexpr unsigned slow_scan_questions = (1 + 2 * 32) * 6 + 4;
 
-/// Looks for devices, numbers them if asked to, and shows each.
+/// Finds devices, assigns node-IDs if requested, and prints each.
 class Scan {
  public:
   Scan(const LssArguments& arguments, BusLoop& bus, can::Duration time_out, unsigned first_node)
@@ -82,8 +83,8 @@ bool Scan::once_more(std::optional<LssResult> result, std::string_view what) {
   return true;
 }
 
-/// The device that has just been found is in configuration state. `has`: its node-ID, FFH for none; nothing
-/// if it is known to have none.
+/// The device that has just been found is in configuration state. `has`: its node-ID, FFH for none; nothing:
+/// a fastscan found it, so it has none.
 int Scan::found(std::optional<std::uint8_t> has) {
   const LssAddress address = on_bus_.master().address();
   if (std::ranges::find(shown_, address) != shown_.end()) return exit_code::done;  // by a search before
@@ -132,7 +133,7 @@ bool Scan::someone_is_left() {
   return answer == LssResult::done;
 }
 
-// What was found is cut out of the ranges; what is left of them are two.
+// Excludes the found device from a range, which leaves two ranges.
 int Scan::slow(std::uint32_t vendor, std::uint32_t product) {
   constexpr std::uint32_t most = 0xFFFF'FFFF;
   struct Ranges {

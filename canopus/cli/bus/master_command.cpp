@@ -89,7 +89,7 @@ class Printer final : public master::NetworkObserver {
     print_line("{:12.6f}  {}", can::seconds(now), describe_master(is_own, master));
   }
 
-  /// What has become of everybody. True when the network is as it should be.
+  /// Prints the state of every node. True when the network is as configured.
   bool summary(const master::NetworkMaster& network, can::Time now) {
     bool good = true;
     bool stands_by = false;

@@ -20,15 +20,15 @@ struct NodeRange {
   std::uint8_t first = 1;
   std::uint8_t last = 127;
 };
-/// "1-32", "5"; the error names --nodes and says what was expected.
+/// "1-32", "5"; the error names --nodes and what was expected.
 [[nodiscard]] std::expected<NodeRange, std::string> parse_node_range(std::string_view text);
-/// Scans a bus, with a bar on a terminal: an exit code, whose reason is said.
+/// Scans a bus, with a progress bar on a terminal. Returns an exit code, and prints its reason.
 [[nodiscard]] int scan_bus(BusLoop& bus, NodeRange range, can::Duration time_out,
                            std::vector<client::FoundNode>& found);
 
 /// The table, a header line and a line per node. `colour`: states in colour.
 [[nodiscard]] std::vector<Line> scan_table(const std::vector<client::FoundNode>& nodes, bool colour);
-/// One JSON object for a node; what is not known is left out.
+/// One JSON object for a node; unknown values are left out.
 [[nodiscard]] text::Json scan_json(const client::FoundNode& node);
 /// "[######----]  64 of 127 nodes asked, 3 found"
 [[nodiscard]] std::string scan_progress(unsigned asked, unsigned of, std::size_t found);

@@ -1,6 +1,5 @@
 #pragma once
-// `canopus check PLANT.toml`: what is wrong with a plant file and what is probably not meant, without running
-// it.
+// `canopus check PLANT.toml`: errors and probable mistakes of a plant file, without running it.
 
 #include <string>
 

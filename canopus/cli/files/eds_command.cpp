@@ -27,7 +27,7 @@ namespace {
 
 using Severity = eds::Problem::Severity;
 
-/// The text, or nothing after a word on `err`.
+/// The text, or nothing after an error on `err`.
 std::optional<std::string> read_text(const std::string& file, Output& err) {
   const auto text = file == "-" ? text::read_standard_input() : text::read_file_or_reason(file);
   if (text) return *text;
@@ -35,7 +35,7 @@ std::optional<std::string> read_text(const std::string& file, Output& err) {
   return std::nullopt;
 }
 
-/// Of a file that is no text, as large as files may be.
+/// Reads a binary file up to the largest permitted size.
 std::optional<std::string> read_bytes(const std::string& file, Output& err) {
   const auto bytes = text::read_file_or_pipe(file);
   if (bytes) return *bytes;

@@ -1,6 +1,6 @@
 #pragma once
-// `canopus eds check FILE...`: what is wrong with device description files, in the form compilers use.
-// `canopus eds convert IN OUT`: EDS and DCF files [CiA 306] as XDD and XDC files [CiA 311], and back.
+// `canopus eds check FILE...`: mistakes in device description files, in the form that compilers use. `canopus
+// eds convert IN OUT`: EDS and DCF files [CiA 306] as XDD and XDC files [CiA 311], and back.
 
 #include <string>
 #include <vector>

@@ -45,7 +45,7 @@ class Sheet {
   [[nodiscard]] Json json() const;
 
  private:
-  /// A sub-index, or all sub-indexes from 01H on of an object whose sub-indexes are alike.
+  /// A sub-index, or all sub-indexes from 01H on of an object with equal sub-indexes.
   struct Row {
     Entry entry;
     std::uint8_t last = 0;
@@ -78,7 +78,7 @@ class Sheet {
   const DictionaryDescription& dictionary_;
 };
 
-/// A line of at most 80 columns; what is longer ends with two dots.
+/// A line of at most 80 columns; a longer one is cut and ends with two dots.
 void print_cut(Output& out, const std::string& beginning, std::string_view name) {
   std::string text = beginning + text::printable(name);
   if (text::columns_of(text) > line_width) text = std::string(text::clipped(text, line_width - 2)) + "..";

@@ -1,5 +1,6 @@
 #pragma once
-// The command `canopus configure`: what the vendor's configuration tool does with a module, from the command line.
+// The command `canopus configure`: the functions of the vendor's configuration tool for a module, on the
+// command line.
 
 #include <cstdint>
 #include <string>

@@ -9,22 +9,23 @@
 
 namespace canopus::cli {
 
-/// FileVersion and FileRevision of a device file, and whose it is: vendor-ID, product code, revision number.
+/// FileVersion and FileRevision of a device file, and the identity of its device: vendor-ID, product code,
+/// revision number.
 struct NodeFile {
   std::uint32_t version = 0;
   std::uint32_t revision = 0;
   std::uint32_t vendor = 0;
   std::uint32_t product = 0;
-  std::optional<std::uint32_t> device_revision{};  ///< nothing: the file does not say, and is for all
+  std::optional<std::uint32_t> device_revision{};  ///< nothing: the file is for all revisions
 };
 
-/// The device files of this name (EDS, DCF, XDD, XDC), or in this folder, 1000 at most. What is named as a file must be one; in
-/// folders what is none is passed over.
+/// The device files of this name (EDS, DCF, XDD, XDC), or in this folder, 1000 at most. A path of a file must
+/// be a device file; in folders other files are skipped.
 [[nodiscard]] std::expected<std::vector<NodeFile>, std::string> read_node_files(
     const std::vector<std::string>& names);
 
-/// The file of a node that says this of itself (1018H); nullptr: it is none of these. One of the node's own revision goes before
-/// one that says none.
+/// The file of a node with this identity (1018H); nullptr: no file matches. A file of the node's own revision
+/// has priority over one without a revision.
 [[nodiscard]] const NodeFile* file_of_node(const std::vector<NodeFile>& files, std::uint32_t vendor,
                                            std::uint32_t product, std::uint32_t revision) noexcept;
 

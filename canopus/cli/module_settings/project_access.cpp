@@ -8,7 +8,8 @@
 namespace canopus::cli {
 namespace {
 
-/// Of the project's module, else of the one that the command line names, else of the one that fits into the PLC's rack.
+/// The tool of the project's module, else of the one that the command line names, else of the one that fits
+/// into the PLC's rack.
 const module::ConfigurationTool& tool_of(const ConfigureArguments& arguments,
                                          const module_settings::ModuleProject* project,
                                          client::PlcClient& client) {

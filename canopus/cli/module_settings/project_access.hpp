@@ -15,12 +15,12 @@ namespace canopus::cli {
 [[nodiscard]] std::expected<module_settings::ModuleProject, std::string> look_at_project(
     const ConfigureArguments& arguments);
 
-/// Runs an action on the module of the command line, else the project's, else the first one. `project`: nullptr: there is
-/// none; then --model says what the module is, or the PLC's type. Returns the exit code.
+/// Runs an action on the module of the command line, else the project's, else the first one. `project`:
+/// nullptr: there is none; then --model, or the PLC's type, determines the model. Returns the exit code.
 int with_module(const ConfigureArguments& arguments, const module_settings::ModuleProject* project,
                 const std::function<int(client::PlcClient&, client::PlcModule&)>& action);
 
-/// The module that --project or --number and --model say.
+/// The module that --project or --number and --model select.
 int with_told_module(const ConfigureArguments& arguments,
                      const std::function<int(client::PlcClient&, client::PlcModule&)>& action);
 

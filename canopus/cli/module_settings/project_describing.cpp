@@ -1,4 +1,4 @@
-// Commands that say what there is to be set, of a module and not of a project.
+// Commands that list the settings of a module, without a project.
 
 #include <fmt/format.h>
 
@@ -31,7 +31,7 @@ void print_window_head(const Window& window) {
   }
 }
 
-/// What a form needs to offer the window's fields.
+/// The description of a window's fields for a form.
 DescriptionJson window_json(const Window& window) {
   DescriptionJson json;
   json["window"] = window.word;

@@ -56,7 +56,8 @@ std::expected<Place, std::string> place_of(const ModuleProject& project, const s
   return Place{window, number->first};
 }
 
-/// Loads, changes, saves; nothing is saved when something was refused. `title`: what is done, for who takes it back.
+/// Loads, changes, saves; nothing is saved when something was refused. `title`: the change, for the undo
+/// list.
 template <typename Change>
 int change_project(const std::string& path, const std::string& title, Change change) {
   auto file = ChangingProject::open(path);
@@ -110,7 +111,7 @@ std::string described(const ModuleProject& project, std::uint32_t entry) {
 
 constexpr std::string_view master_window = "master";
 
-/// Of the window "NMT master / slave".
+/// The negotiation of the window "NMT master / slave".
 std::string negotiation_of(const ModuleProject& project) {
   const bool takes_part = project.value(master_window, "Flying master") != 0;
   return project.negotiation() + (takes_part ? "" : "; it takes no part (Flying master is not selected)");

@@ -18,17 +18,17 @@ namespace canopus::cli {
 /// The project, or why it cannot be read, with file and line.
 [[nodiscard]] std::expected<module_settings::ModuleProject, std::string> load_project(
     const std::string& path);
-/// The same, for a command that only looks. `unfinished`: called with a sentence when a power cut, or another command at work, has
-/// left a change half done; the project is then the one before it.
+/// The same, for a command that only reads. `unfinished`: called with a sentence when a power cut, or another
+/// command at work, has left a change half done; the project is then the one before it.
 [[nodiscard]] std::expected<module_settings::ModuleProject, std::string> look_at_project(
     const std::string& path, const std::function<void(const std::string&)>& unfinished);
-/// A file that nobody changes later, a new project or a backup: takes its place in one step; after a failure the old one is
-/// there, whole. Empty: done.
+/// Writes a new project or a backup, which has no change history: replaces the file atomically; after a
+/// failure the old one is intact. Empty: done.
 [[nodiscard]] std::string save_project(const std::string& path,
                                        const module_settings::ModuleProject& project);
 
-/// A project that is going to be changed: each save can be taken back, the latest first (store::ChangeSets). What the file
-/// was before lies in ".canopus/settings/FILE" beside it. Others cannot change it as long as this lives.
+/// A project opened for changes: each save can be undone, the latest first (store::ChangeSets). The previous
+/// contents are in ".canopus/settings/FILE" beside it. The file is locked for the lifetime of this object.
 class ChangingProject {
  public:
   /// Ends what a power cut left half done. Errors are sentences that name the file.
@@ -36,7 +36,7 @@ class ChangingProject {
   [[nodiscard]] std::expected<module_settings::ModuleProject, std::string> read() const {
     return load_project(path_);
   }
-  /// `title`: what was done, for people. Empty: done.
+  /// `title`: the change, for the undo list. Empty: done.
   [[nodiscard]] std::string save(const module_settings::ModuleProject& project, std::string_view title);
   /// The title of what was taken back; nothing: there is nothing to take back.
   [[nodiscard]] std::expected<std::optional<std::string>, std::string> undo() { return changes_.undo(); }

@@ -51,7 +51,7 @@ std::uint32_t number_of(const std::vector<std::uint8_t>& bytes) {
   return value;
 }
 
-/// As the node settings window prints them; null: no file is the node's.
+/// File version and revision as in the node settings window; null: the node has no file.
 void add_file_information(const std::vector<NodeFile>& files, Json& shown) {
   Json& version = shown["EDS file version"];
   Json& revision = shown["EDS file revision"];

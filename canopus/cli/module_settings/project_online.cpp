@@ -111,7 +111,7 @@ void print_result(std::string_view result, bool json) {
 
 constexpr std::array<std::string_view, 4> states{"Stopped", "Pre-operational", "Operational", "?"};
 
-/// What other words than the error status say: failures of nodes, of the last command, of message slots.
+/// Prints the errors outside the error status: failures of nodes, of the last command, of message slots.
 int print_other_errors(PlcModule& module, const module::ErrorTables& tables, std::uint16_t function_mode,
                        bool json) {
   module::ErrorTables others = tables;

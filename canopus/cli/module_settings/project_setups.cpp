@@ -51,7 +51,7 @@ SetupLine setup_json(const std::string& name, const TransferSetup& setup) {
   return line;
 }
 
-/// What the wizard asks, in its order [RJ71CN91 3.2 Transfer setup].
+/// The settings of the wizard, in its order [RJ71CN91 3.2 Transfer setup].
 void print_setup(const std::string& name, const TransferSetup& setup) {
   const std::string_view asked = "asked of the CPU module";
   const std::string_view series = setup.cpu_type.empty() ? asked : cpu_series(setup.cpu_type);

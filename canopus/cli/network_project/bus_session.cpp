@@ -56,7 +56,7 @@ bool has(const std::vector<WriteStep>& steps, WriteStep::State state) {
   return std::ranges::find(steps, state, &WriteStep::state) != steps.end();
 }
 
-/// 1000H is asked only to hear whether anybody is there.
+/// 1000H alone is read: it only tests whether the node answers.
 bool is_asked_alone(const ComparedValue& value) {
   return std::ranges::all_of(value.wanted, [](std::uint8_t byte) { return byte == 0; });
 }
@@ -101,7 +101,7 @@ void BusSession::write(const ProjectNode& node) {
     ObjectProgress progress(bus_, node.shown_name());
     master::write(steps, objects, progress.function());
   }
-  // What counts is what the device has now, not what it said while it was written.
+  // The values that the device has now count, not its answers during the write.
   const auto now =
       has(steps, WriteStep::State::not_answered) ? std::nullopt : values_of_device(node, objects);
   tell_writes(node, steps, now ? &*now : nullptr);

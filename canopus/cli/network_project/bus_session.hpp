@@ -30,18 +30,18 @@ class BusSession {
   using Values = std::vector<master::ComparedValue>;
 
   void silent(const network_project::ProjectNode& node, std::string_view what);
-  /// Nobody writes a project into another device.
+  /// Whether the device on the bus is the project's: a project is not written into another device.
   bool is_the_device(const network_project::ProjectNode& node, BusObjects& objects);
-  /// None: it is another device, or does not answer, which is said.
+  /// None: it is another device, or does not answer; prints the reason.
   std::optional<Values> compared(const network_project::ProjectNode& node, BusObjects& objects);
-  /// None: it does not answer any more; nothing is said.
+  /// None: it does not answer any more; prints nothing.
   std::optional<Values> values_of_device(const network_project::ProjectNode& node, BusObjects& objects);
   void save(const network_project::ProjectNode& node, BusObjects& objects);
 
   void tell(const network_project::ProjectNode& node, const master::ComparedValue& value);
   void tell(const network_project::ProjectNode& node, const master::WriteStep& step, std::string_view state,
             const std::string& reason, bool is_bad);
-  /// `now`: what the device has behind the writes; none: it was not read back.
+  /// `now`: the device's values after the writes; none: not read back.
   void tell_writes(const network_project::ProjectNode& node, const std::vector<master::WriteStep>& steps,
                    const Values* now);
   void tell_differences(const network_project::ProjectNode& node, const Values& values);
@@ -49,7 +49,7 @@ class BusSession {
   void tell_taken(const network_project::ProjectNode& node, const master::ComparedValue& value,
                   const std::string& why_not);
 
-  /// How many nodes came out how.
+  /// The number of nodes by result.
   struct Summary {
     unsigned same = 0;
     unsigned different = 0;

@@ -41,7 +41,7 @@ std::vector<network_project::Finding> review_network(const network_project::Netw
     if (node.device != nullptr && node.listed.present) bus.nodes.push_back(reviewed(node));
   }
   bus.may_have_others = !has_manager(project);
-  // One CAN-ID of two senders cannot work; the rest of what plants are told may be meant so.
+  // One CAN-ID of two senders cannot work; the other warnings about plants may be intended.
   plant::Warnings conflicts;
   plant::find_two_senders(bus, conflicts);
   plant::Warnings warnings;

@@ -1,5 +1,5 @@
 #pragma once
-// Everything that can be said of a project without its bus: its own findings, and those that plants have.
+// All checks of a project without its bus: its own, and those of plants.
 
 #include <vector>
 

@@ -25,7 +25,8 @@ using Json = text::Json;
 constexpr text::ObjectName identity_objects[] = {
     {0x1000, 0}, {0x1018, 1}, {0x1018, 2}, {0x1018, 3}, {0x1018, 4}};
 
-/// What the device says of itself; a value that it refuses it has not got. The error: it does not answer.
+/// The identity that the device answers; a value that it refuses does not exist. The error: it does not
+/// answer.
 std::expected<std::vector<IdentityValue>, std::string> read_identity(master::ObjectAccess& device) {
   std::vector<IdentityValue> found;
   for (const text::ObjectName object : identity_objects) {
@@ -64,7 +65,7 @@ int with_difference(const ProjectArguments& arguments, const NetworkProject& pro
     return project_failed(project_code::file,
                           fmt::format("{}: {}", (*node)->shown_name(), (*node)->trouble()));
   }
-  // What is accepted makes the node anew.
+  // Accepting values creates the node again.
   const std::uint8_t id = (*node)->id();
   const std::string name = (*node)->shown_name();
   return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {

@@ -23,14 +23,14 @@ using client::FoundNode;
 using network_project::NetworkProject;
 using Json = text::Json;
 
-/// A device file, and whose it is.
+/// A device file, and the identity of its device.
 struct Candidate {
   std::string path;
   std::string text;
   eds::Identity identity;
 };
 
-/// What is named as a file must be one; in folders what is none is passed over.
+/// A path of a file must be a device file; in folders other files are skipped.
 std::expected<std::vector<Candidate>, std::string> read_candidates(const std::vector<std::string>& names) {
   std::vector<std::string> paths;
   std::vector<Candidate> candidates;
@@ -71,7 +71,7 @@ enum class Match : std::uint8_t { none, other_revision, exact };
 
 Match match(const Candidate& candidate, const FoundNode& node) {
   const eds::Identity& file = candidate.identity;
-  // A device of which nothing is known but its profile is nobody's.
+  // A device with only a known profile matches no file.
   if (!node.vendor && !node.product) return Match::none;
   const auto differs = [](std::optional<std::uint32_t> file_value, std::optional<std::uint32_t> found) {
     return file_value.value_or(0) != found.value_or(0);
@@ -124,7 +124,7 @@ void tell(const ProjectArguments& arguments, const FoundNode& node, const Choice
                                choice.match == Match::exact ? "" : ": the device has another revision"));
 }
 
-/// Adds who is not in the project; how many could not be.
+/// Adds the nodes that are not in the project. Returns how many failed.
 unsigned add_found(const ProjectArguments& arguments, std::uint32_t bit_rate,
                    const std::vector<Candidate>& candidates, const std::vector<FoundNode>& found,
                    NetworkProject& project, std::vector<std::uint8_t>& added) {

@@ -47,7 +47,7 @@ int compare_network(const ProjectArguments& arguments) {
 
 int write_network(const ProjectArguments& arguments) {
   const auto write = [&] { return for_each_node(arguments, &BusSession::write); };
-  // Nobody's going leaves a device half written.
+  // A closed output must not leave a device half written.
   const int code = arguments.yes ? run_ignoring_sigpipe(write) : write();
   if (code == project_code::different && !arguments.yes && !arguments.bus.json) {
     print_line("nothing is written yet: --yes writes");

@@ -305,7 +305,7 @@ int with_network(
   return action(*folder, *project);
 }
 
-/// What a change that is not made would do to the bus.
+/// Prints the effect of a change on the bus load, without making it.
 static void tell_load(const ProjectArguments& arguments, const network_project::NetworkLoad& before,
                       const network_project::NetworkLoad& after) {
   if (arguments.bus.json) {

@@ -91,13 +91,12 @@ int project_failed(int code, const std::string& message);
 /// "500k", "125kbit/s", "1M", "250000": bit/s, whole kbit/s as a DCF has them; nothing written: 0. The error names --bit-rate.
 [[nodiscard]] std::expected<std::uint32_t, std::string> parse_bit_rate(std::string_view text);
 
-/// Opens the project for looking; its errors are said.
+/// Opens the project read-only, and prints its errors.
 int with_network(
     const ProjectArguments& arguments,
     const std::function<int(const ProjectFolder&, const network_project::NetworkProject&)>& action);
-/// Opens the project, has it changed, and saves it when the action returns done, or
-/// no_answer or different: what was found of the others is kept.
-/// `title` is for undo.
+/// Opens the project, runs the action on it, and saves it if that returns done, or no_answer or different:
+/// the results for the other nodes are kept. `title` is for undo.
 int change_network(const ProjectArguments& arguments, const std::string& title,
                    const std::function<int(ProjectFolder&, network_project::NetworkProject&)>& action);
 

@@ -86,7 +86,7 @@ void tell(const ProjectArguments& arguments, const DcfDifference& one) {
              state_of(one));
 }
 
-/// The device file of `arguments.file`, of the same device as the node's; else `code` says why not.
+/// The device file of `arguments.file`, of the same device as the node's; else `code` is the exit code.
 std::shared_ptr<const eds::DeviceFile> read_dcf(const ProjectArguments& arguments, const ProjectNode& node,
                                                 int& code) {
   const auto fail = [&](int failure, const std::string& why) {

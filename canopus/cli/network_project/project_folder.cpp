@@ -48,7 +48,7 @@ network_project::ReadFile ProjectFolder::reader() {
 std::expected<network_project::NetworkProject, std::string> ProjectFolder::read(unsigned network) {
   auto project = network_project::NetworkProject::open(list_, reader(), network - 1);
   if (!project) {
-    // ChangeSets says the file itself.
+    // The errors of ChangeSets already name the file.
     const bool is_named = project.error().starts_with(shown_list());
     return std::unexpected(is_named ? project.error() : fmt::format("{}: {}", shown_list(), project.error()));
   }

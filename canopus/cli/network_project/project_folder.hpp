@@ -17,12 +17,12 @@ class ProjectFolder {
  public:
   enum class For : std::uint8_t { looking, changing };
 
-  /// `path`: a folder with nodelist.cpj, or a file *.cpj. To change it: no other process may meanwhile, and what a power cut left
-  /// half done is ended. To look: nothing is written, and unfinished() says what was left. Errors are sentences that name the
-  /// file.
+  /// `path`: a folder with nodelist.cpj, or a file *.cpj. To change it: the folder is locked, and a change
+  /// that a power cut left half done is completed. To read: nothing is written, and unfinished() reports such
+  /// a change. Errors are sentences that name the file.
   [[nodiscard]] static std::expected<ProjectFolder, std::string> open(const std::string& path, For purpose);
 
-  /// Of one who only looks: a sentence about a change that is not finished; what is read is the project before it.
+  /// Opened to read: a sentence about a change that is not finished; the project is the one before it.
   [[nodiscard]] std::optional<std::string> unfinished() const;
   /// `network`: from 1.
   [[nodiscard]] std::expected<network_project::NetworkProject, std::string> read(unsigned network);
@@ -32,7 +32,7 @@ class ProjectFolder {
                                                       std::string_view title);
   [[nodiscard]] std::expected<std::optional<std::string>, std::string> undo();
 
-  /// How people would write a file of the project.
+  /// The path of a project's file for messages.
   [[nodiscard]] std::string shown_path(const std::string& path) const { return (folder_ / path).string(); }
   [[nodiscard]] std::string shown_list() const { return shown_path(list_); }
   [[nodiscard]] const std::filesystem::path& folder() const noexcept { return folder_; }

@@ -161,7 +161,7 @@ std::expected<Found, std::string> find_pdo(const NetworkProject& project, const 
                                      eds::printable(arguments.pdo), known.empty() ? "none" : known));
 }
 
-/// Times and COB-ID that the options give; the error says what was expected.
+/// Times and COB-ID that the options give; the error names what was expected.
 std::expected<void, std::string> take_options(const ProjectArguments& arguments,
                                               const NetworkProject& project, std::uint8_t node_id, Pdo& pdo) {
   const auto number = [](const std::string& text, std::uint64_t most) -> std::optional<std::uint64_t> {

@@ -1,4 +1,4 @@
-// A project, and if wanted its bus, as one HTML page to hand over.
+// A project, and optionally its bus, as one HTML page.
 
 #include <algorithm>
 
@@ -82,7 +82,7 @@ void add_process_data(ReportPage& page, const NetworkProject& project) {
               fmt::format("{} to {}", link.first_bit, link.first_bit + link.bits - 1), to.shown_name(),
               named_object(to, link.to.index, link.to.sub), fmt::format("RPDO{}", link.rpdo)});
   }
-  // What has no other end in the project.
+  // PDOs without a counterpart in the project.
   for (const ProjectNode& node : project.nodes()) {
     for (const Pdo& pdo : node.pdos) {
       const bool is_linked = std::ranges::any_of(links, [&](const network_project::SignalLink& link) {
@@ -148,7 +148,7 @@ std::string shown_value(const std::vector<std::uint8_t>& bytes, canopen::DataTyp
   return value ? *value : client::show_bytes(bytes);
 }
 
-/// False: something differs, or somebody did not answer.
+/// False: something differs, or a node did not answer.
 bool add_differences(ReportPage& page, const NetworkProject& project, const std::vector<FoundNode>& found,
                      BusLoop& bus, can::Duration time_out) {
   page.heading("Project and devices");

@@ -1,4 +1,4 @@
-// Commands that only look at a project.
+// Commands that only read a project.
 
 #include <algorithm>
 #include <map>
@@ -93,7 +93,7 @@ void for_each_value(const ProjectNode& node, bool all, Visit visit) {
   }
 }
 
-/// What else the DCF says of a sub-index.
+/// Further attributes of a sub-index in the DCF.
 void add_facts(Json& line, const ProjectNode& node, const canopen::Entry& entry) {
   const canopen::EntryDescription& description = *entry.description;
   const eds::EntryFacts* const facts = node.device->find_facts(entry.index, entry.sub);

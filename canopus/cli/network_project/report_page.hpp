@@ -14,7 +14,7 @@ class ReportPage {
   void heading(std::string_view text);
   void paragraph(std::string_view text);
   void begin_table(const std::vector<std::string>& columns);
-  /// `mark`: "", "good", "bad" or "note": how the row looks.
+  /// `mark`: "", "good", "bad" or "note": the style of the row.
   void row(const std::vector<std::string>& cells, std::string_view mark = "");
   void end_table();
   /// The whole page.

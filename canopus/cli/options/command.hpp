@@ -1,6 +1,7 @@
 #pragma once
-// The commands of the program as data: what each is called, takes and runs. The parser (parser.hpp) reads the command line by this
-// table; help, manual pages and completion are made from it, so that they say what the program does.
+// The commands of the program as data: what each is called, takes and runs. The parser (parser.hpp) reads the
+// command line by this table; help, manual pages and completion are generated from it, so that they match the
+// program.
 //
 //   Command* command = app.add_subcommand("send", "Send a frame");
 //   command->add_option("--rate", options->rate, "How often")->type_name("RATE")->check(one_of_words({"slow", "fast"}));
@@ -31,8 +32,8 @@ struct VersionFlag {
   std::string text;  ///< what is printed
 };
 
-/// Where the value of an option goes. A function gets it instead, and says what is wrong as a check does; one without a value
-/// is called for a flag.
+/// The destination of an option's value. A function gets the value instead, and returns an error like a
+/// check; one without a value is called for a flag.
 using OptionTarget =
     std::variant<HelpFlag, VersionFlag, bool*, int*, unsigned*, std::uint64_t*, std::string*,
                  std::vector<std::string>*, std::optional<std::string>*, std::optional<std::uint16_t>*,
@@ -69,7 +70,7 @@ class Option {
   Option* excludes(const Option* other);
   Option* expected(int number);
   Option* expected(int least, int most);
-  /// Of a list: false is one value each time that it is given.
+  /// For a list: false permits one value per occurrence of the option.
   Option* allow_extra_args(bool allowed);
   /// The help shows the value that the target has now.
   Option* capture_default_str();
@@ -82,12 +83,12 @@ class Option {
   [[nodiscard]] const std::string& description() const noexcept { return data_.description; }
   [[nodiscard]] const std::vector<std::string>& choices() const noexcept { return data_.choices; }
   [[nodiscard]] bool is_argument() const noexcept;
-  /// What stands behind the option ("TIME"); empty: nothing has to.
+  /// The placeholder of the option's value ("TIME"); empty: no value.
   [[nodiscard]] std::string value() const;
   /// Takes several values, or may be given again.
   [[nodiscard]] bool is_several() const noexcept;
 
-  /// How many values the command line has for it, once it is read.
+  /// The number of its values on the command line, after parsing.
   [[nodiscard]] std::size_t count() const noexcept { return count_; }
   void set_count(std::size_t count) noexcept { count_ = count; }
 
@@ -118,7 +119,7 @@ class Command {
   Option* add_option_function(const std::string& names, OptionCheck function, std::string description) {
     return add(names, std::move(function), std::move(description), false);
   }
-  /// A string gets "true", or what stands behind =.
+  /// A string gets "true", or the text behind =.
   template <typename Value>
   Option* add_flag(const std::string& names, Value& target, std::string description) {
     return add(names, &target, std::move(description), true);
@@ -136,7 +137,7 @@ class Command {
 
   void footer(std::string text) { footer_ = std::move(text); }
   void callback(std::function<void()> action) { action_ = std::move(action); }
-  /// So many commands have to follow.
+  /// The number of subcommands that must follow.
   void require_subcommand(int number) { required_subcommands_ = number; }
 
   /// Has the builder called, if it was not yet.
@@ -151,7 +152,7 @@ class Command {
   /// "canopus trace convert [OPTIONS] IN OUT"
   [[nodiscard]] std::string usage() const;
   [[nodiscard]] const std::string& description() const noexcept { return description_; }
-  /// What the help says at its end, in lines.
+  /// The last lines of the help.
   [[nodiscard]] const std::string& footer() const noexcept { return footer_; }
   /// In the order in which they were added, arguments among them, --help first.
   [[nodiscard]] std::list<Option>& all_options() noexcept { return options_; }

@@ -1,5 +1,5 @@
 #pragma once
-// What the values of options are checked for while the command line is read, for Option::check().
+// Checks of option values during parsing, for Option::check().
 
 #include <cstdint>
 #include <string_view>
@@ -12,7 +12,7 @@ namespace canopus::cli {
 /// One of these words.
 [[nodiscard]] Choices one_of_words(const std::vector<std::string_view>& known);
 
-/// What one_of_words() checks.
+/// The check of one_of_words().
 [[nodiscard]] OptionCheck check_of(Choices choices);
 
 /// A decimal number, `least` to `most`.

@@ -1,5 +1,5 @@
 #pragma once
-// Reads a command line by the table of commands. The only part of the program that knows CLI11.
+// Reads a command line by the table of commands. The only part of the program that uses CLI11.
 
 #include <cstdint>
 #include <span>
@@ -10,13 +10,13 @@
 
 namespace canopus::cli {
 
-/// What a command line came to.
+/// The result of parsing a command line.
 struct Parsing {
   enum class Result : std::uint8_t {
     ran,       ///< the command was called
     answered,  ///< `text` is the help or the version
-    misfit,    ///< a word is missing, or one too many; `text` says which, but knows no better word
-    wrong      ///< `text` says what
+    misfit,    ///< a word is missing, or one too many; `text` names it, without a suggestion
+    wrong      ///< `text` names the mistake
   };
   /// A command that the words named.
   struct Named {
@@ -32,7 +32,7 @@ struct Parsing {
 /// Puts the values into the options' targets and calls the command. Of the commands only those named are built.
 [[nodiscard]] Parsing parse_words(Command& program, std::span<const std::string> words);
 
-/// What --help prints.
+/// The output of --help.
 [[nodiscard]] std::string help_of(Command& program);
 
 }  // namespace canopus::cli

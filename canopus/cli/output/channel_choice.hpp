@@ -1,5 +1,6 @@
 #pragma once
-// --channel of the commands that read a trace: which channels are wanted, and which of them the trace does not have.
+// --channel of the commands that read a trace: the selected channels, and those of them that the trace does
+// not have.
 
 #include <string>
 #include <string_view>
@@ -14,9 +15,9 @@ class ChannelChoice {
   /// No names: all channels.
   explicit ChannelChoice(std::vector<std::string> names) : names_(std::move(names)) {}
 
-  /// To be asked for every record of the trace, so that report_missing() knows its channels.
+  /// Call it for every record of the trace, so that report_missing() has all channels.
   [[nodiscard]] bool wants(std::string_view channel);
-  /// Says on `err` which of the names never came, and which channels there were. False: some did not come.
+  /// Prints on `err` the names that never came, and the channels of the trace. False: some did not come.
   bool report_missing(Output& err) const;
 
  private:

@@ -10,7 +10,7 @@
 
 namespace canopus::cli {
 
-/// By its extension: .eds, .dcf, .xdd or .xdc, in whatever case.
+/// By its extension: .eds, .dcf, .xdd or .xdc, in upper or lower case.
 [[nodiscard]] bool is_device_file(const std::filesystem::path& path);
 
 /// An EDS, DCF, XDD or XDC file. The error is a sentence with the file's name.

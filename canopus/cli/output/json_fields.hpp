@@ -1,5 +1,5 @@
 #pragma once
-// What a server sent, read without trust: a field that is missing or of another type is empty.
+// Fields of an untrusted server's JSON: a field that is missing or of another type is empty.
 
 #include <string>
 

@@ -53,7 +53,7 @@ void forget_signals() {
   }
 }
 
-/// The name of a descriptor: what it leads to may have a place that others go on from.
+/// The name of a descriptor: other processes may share its file offset.
 bool is_open_already(const std::string& name) {
   std::error_code failure;
   const std::string plain = std::filesystem::absolute(name, failure).lexically_normal().string();
@@ -70,7 +70,7 @@ NewFile::NewFile(const std::string& name) : name_(name), path_(name) {
   struct stat found {};
   const bool exists = ::stat(name.c_str(), &found) == 0;
   if (exists && !S_ISREG(found.st_mode)) return;
-  if (exists && ::access(name.c_str(), W_OK) != 0) return;  // opening it says why
+  if (exists && ::access(name.c_str(), W_OK) != 0) return;  // the error of opening it has the reason
   const std::string beside = real.string() + '.' + std::to_string(::getpid()) + ".part";
   if (beside.size() >= unfinished.size()) return;
   const int file = ::open(beside.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);

@@ -1,6 +1,6 @@
 #pragma once
-// A file that gets its name once it is whole: until then it stands beside it as NAME.PID.part, and an error or a signal
-// (SIGINT, SIGTERM, SIGHUP) leaves nothing behind, and what was there before as it was.
+// A file that is renamed when complete: until then it is NAME.PID.part in the same folder, and an error or a
+// signal (SIGINT, SIGTERM, SIGHUP) leaves nothing behind, and what was there before as it was.
 //
 // What is no regular file (a pipe, /dev/stdout, a device) is written directly, and so is a file in a folder that takes no
 // new one.
@@ -13,14 +13,14 @@ namespace canopus::cli {
 
 class NewFile {
  public:
-  /// One at a time. A name that is a symbolic link stays one: what it leads to is replaced.
+  /// One at a time. A symbolic link stays one: its target is replaced.
   explicit NewFile(const std::string& name);
   /// Removes what is not kept.
   ~NewFile();
   NewFile(const NewFile&) = delete;
   NewFile& operator=(const NewFile&) = delete;
 
-  /// What is to be opened and written.
+  /// The path to open and write.
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
   /// It is whole and closed. The error names it.
   [[nodiscard]] std::expected<void, std::string> keep();

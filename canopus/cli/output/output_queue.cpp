@@ -41,7 +41,7 @@ std::uint64_t lines_in(std::string_view text) {
 
 }  // namespace
 
-/// What the thread and the printing one share.
+/// State shared by the writing and the printing thread.
 struct OutputQueue::Shared {
   Shared(int to, Use how) : descriptor(to), use(std::move(how)) {}
 
@@ -49,7 +49,7 @@ struct OutputQueue::Shared {
   const Use use;
   mutable std::mutex mutex;
   std::condition_variable work;   // for the thread
-  std::condition_variable moved;  // for who waits for the reader
+  std::condition_variable moved;  // for threads that wait for the reader
   // All under the mutex, but `batch`, which the thread writes without it while `writing`.
   std::string waiting;
   std::string batch;
@@ -64,11 +64,11 @@ struct OutputQueue::Shared {
 
   [[nodiscard]] bool idle() const { return error != 0 || (waiting.empty() && !writing && unsaid == 0); }
   [[nodiscard]] bool is_open() const { return error == 0 && !closing; }
-  /// Once lines are lost, their number is said first.
+  /// Once lines are lost, the line with their number comes first.
   [[nodiscard]] bool fits(std::size_t size) const {
     return unsaid == 0 && (waiting.empty() || waiting.size() + size <= use.capacity);
   }
-  /// Waits until `done`, with the lock, and asks the patience now and then, without it.
+  /// Waits until `done`, with the lock, and calls the patience periodically, without it.
   template <typename Done>
   bool wait(std::unique_lock<std::mutex>& lock, const Patience& patience, Done done) {
     while (!done()) {
@@ -97,7 +97,7 @@ void OutputQueue::Shared::fail(int reason) {
   moved.notify_all();
 }
 
-/// A pipe whose reader has gone is noticed without a line to write, as by `tail -f`.
+/// Detects that the reader of a pipe has gone, without a line to write, as `tail -f` does.
 bool OutputQueue::Shared::reader_is_gone() const {
   pollfd state{.fd = descriptor, .events = 0, .revents = 0};
   return ::poll(&state, 1, 0) == 1 && (state.revents & POLLERR) != 0;
@@ -122,7 +122,7 @@ bool OutputQueue::Shared::write_batch(std::unique_lock<std::mutex>& lock) {
     const ssize_t size = ::write(descriptor, piece.data(), piece.size());
     const int reason = errno;
     lock.lock();
-    if (size < 0 && reason == EAGAIN) {  // somebody else's O_NONBLOCK on a shared description
+    if (size < 0 && reason == EAGAIN) {  // O_NONBLOCK of another process on a shared description
       lock.unlock();
       pollfd state{.fd = descriptor, .events = POLLOUT, .revents = 0};
       (void)::poll(&state, 1, 100);
@@ -220,7 +220,7 @@ std::uint64_t OutputQueue::finish(const Patience& patience) {
   shared_->waiting.clear();
   shared_->unsaid = 0;
   shared_->work.notify_one();
-  // Nobody reads: the kernel keeps the thread until the process ends.
+  // No reader: the thread stays blocked in write() until the process ends.
   const bool stuck = shared_->writing;
   lock.unlock();
   if (stuck) {

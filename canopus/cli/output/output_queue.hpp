@@ -1,13 +1,13 @@
 #pragma once
-// A bounded queue of lines in front of a descriptor that may be slow, or that nobody reads: a pipe, a stopped
-// terminal. A thread of its own writes; who prints never waits for the reader, unless asked to. It is there from the first
-// line on: system calls and locks of a process with one thread cost less.
+// A bounded queue of lines in front of a descriptor that may be slow or unread: a pipe, a stopped terminal. A
+// thread of its own writes; a caller never waits for the reader, unless it asks for that. The thread starts
+// with the first line: system calls and locks of a process with one thread cost less.
 //
 //   print -> waiting lines (at most `capacity` octets) -> thread -> descriptor
 //
-// What does not fit is counted, and the count is said in a line of its own as soon as the reader goes on, at
-// its place among the others. The descriptor stays as it is: it may be shared with others, O_NONBLOCK would
-// be theirs, too.
+// Lines that do not fit are counted, and a line with the count is printed in their place as soon as the
+// reader continues. The descriptor's flags stay unchanged: other processes may share it, and O_NONBLOCK would
+// affect them, too.
 
 #include <chrono>
 #include <cstddef>
@@ -25,9 +25,9 @@ namespace canopus::cli {
 class OutputQueue final : public Output {
  public:
   struct Use {
-    /// The line (with its end) that says how many were lost. Called by the thread.
+    /// Returns the line (with its end) for this number of lost lines. Called by the thread.
     std::function<std::string(std::uint64_t lines)> lost_line{};
-    /// The descriptor cannot be written any more, errno says why. Called by the thread, once.
+    /// The descriptor cannot be written any more; `error` is errno. Called by the thread, once.
     std::function<void(int error)> failed{};
     /// Octets that wait at most, in two buffers.
     std::size_t capacity = std::size_t{1} << 20;
@@ -43,21 +43,21 @@ class OutputQueue final : public Output {
   void set_patience(Patience patience) { patience_ = std::move(patience); }
   /// From now on the thread is woken by pass_on(), not by each line: a wake costs more than a line.
   void gather() { gathers_ = true; }
-  /// Lets the thread write what was gathered.
+  /// Wakes the thread to write the gathered lines.
   void pass_on();
-  /// From now on each line wakes the thread again.
+  /// Ends gathering: each line wakes the thread again.
   void end_gathering();
-  /// Waits until everything is written, as long as the patience lasts, and ends the thread. What is printed
-  /// later is lost. Returns how many lines never reached the reader without a word about it.
+  /// Waits until everything is written, as long as the patience lasts, and ends the thread. Lines printed
+  /// later are lost. Returns the number of lost lines that no line has reported.
   std::uint64_t finish(const Patience& patience);
   /// Waits until everything is written. False: the patience ended first.
   bool flush(const Patience& patience);
 
-  /// Nothing waits to be written.
+  /// No line is waiting.
   [[nodiscard]] bool is_idle() const;
   /// errno of the write that failed; 0: none did.
   [[nodiscard]] int error() const;
-  /// Lines lost so far, said or not.
+  /// Lines lost so far, reported or not.
   [[nodiscard]] std::uint64_t lost() const;
 
  private:

@@ -22,7 +22,7 @@ class StandardStream final : public Output {
  public:
   explicit StandardStream(int descriptor) : descriptor_(descriptor) {}
   void divert(Output* to) { diverted_ = to; }
-  /// What cannot be written is forgotten; why, end_keeping_quiet() says (errno, or 0).
+  /// Lines that cannot be written are dropped; end_keeping_quiet() returns the reason (errno, or 0).
   void keep_quiet() {
     is_quiet_ = true;
     error_ = 0;

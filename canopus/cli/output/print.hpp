@@ -6,8 +6,7 @@
 //   print_error("canopus: {}", reason);
 //
 // Each line goes out whole, in one piece. A standard output that cannot be written throws OutputFailed, which
-// ends the program with a sentence and an exit code; a standard error that cannot be written has nobody to
-// hear about it.
+// ends the program with a sentence and an exit code; a standard error that cannot be written is ignored.
 
 #include <stdexcept>
 
@@ -41,7 +40,7 @@ void reserve_standard_descriptors();
 [[nodiscard]] Output& standard_output();
 [[nodiscard]] Output& standard_error();
 
-/// As long as it lives, what is printed on the standard output and the standard error goes there.
+/// Redirects standard output and standard error there for its lifetime.
 class Diversion {
  public:
   Diversion(Output& out, Output& error);
@@ -63,8 +62,8 @@ void print_error(fmt::format_string<const T&...> format, const T&... arguments) 
 /// One JSON object on the standard output, in a line.
 void print_json(const text::Json& object);
 
-/// The last line of the terminal of the standard error says how far something is, redrawn in place; the next
-/// line printed takes its place. Nothing unless is_terminal(STDERR_FILENO).
+/// The last line of the terminal of the standard error shows the progress, redrawn in place; the next line
+/// printed takes its place. Nothing unless is_terminal(STDERR_FILENO).
 void show_progress(const Line& line);
 void end_progress();
 

@@ -5,7 +5,8 @@
 
 namespace canopus::cli {
 
-/// Whether `in` (- is the standard input) and `out` are one regular file, by whatever names. An `out` of - is never one.
+/// Whether `in` (- is the standard input) and `out` are one regular file, even by different names. An `out`
+/// of - is never one.
 [[nodiscard]] bool is_same_file(const std::string& in, const std::string& out);
 
 }  // namespace canopus::cli

@@ -1,13 +1,15 @@
 #pragma once
-// Commands that do more than print: a reader who goes (`| head -1`) must not take a file, a change or half a transfer with him.
+// For commands that do more than print: a closed output (SIGPIPE, `| head -1`) must not abort writing a file,
+// a change or a transfer halfway.
 
 #include <functional>
 
 namespace canopus::cli {
 
-/// Does it to its end, whether its output and its errors can be written or not: SIGPIPE does not end the program meanwhile. The
-/// exit code of the work when the reader of the standard output has gone; another reason why that could not be written is thrown
-/// as OutputFailed once all is done. A signal that ends the wait for a reader who does not read is thrown at once.
+/// Runs `work` to its end even if its output and errors cannot be written: SIGPIPE is ignored meanwhile.
+/// Returns the exit code of the work, also when the reader of the standard output has gone; another write
+/// error is thrown as OutputFailed at the end. A signal that ends the wait for a slow reader is thrown at
+/// once.
 [[nodiscard]] int run_ignoring_sigpipe(const std::function<int()>& work);
 
 }  // namespace canopus::cli

@@ -58,7 +58,7 @@ void print_text(const DataSheet& sheet, std::optional<std::uint32_t> writes, Out
   row("I/O points", fmt::format("{} ({})", sheet.points, sheet.io_assignment));
   row("Online module change", sheet.online_module_change ? "supported" : "not supported");
   row("Multiple CPU system", sheet.multiple_cpu);
-  // A manual need not say how often it may be written.
+  // A manual need not state the write endurance.
   const std::string endurance =
       sheet.flash_writes == 0 ? "not stated" : fmt::format("{} writes", sheet.flash_writes);
   row("Flash memory", !writes                   ? endurance

@@ -1,5 +1,5 @@
 #pragma once
-// `canopus module list|info|eds|compare|status`: which soft modules there are, what their manuals say of them, their EDS
+// `canopus module list|info|eds|compare|status`: the soft modules, the data of their manuals, their EDS
 // files.
 
 #include <filesystem>
@@ -14,7 +14,7 @@ class Command;
 
 /// The modules there are, or, with a plant file, the product list of each of its PLCs.
 int module_list(const std::optional<std::string>& plant, bool json, Output& out, Output& err);
-/// What the manual says of a module; `store`: how often the flash memory of one was written, too.
+/// The data of a module's manual; with `store` also the number of writes to its flash memory.
 int module_info(const std::string& model, const std::optional<std::filesystem::path>& store, bool json,
                 Output& out, Output& err);
 /// Its EDS file, to `out` or, when it is not empty, to the file `path`. `mode`: of this function mode.

@@ -35,7 +35,7 @@ struct Column {
   explicit Column(const plant::CatalogueEntry& of)
       : entry(of), module(of.make(controller, memory, {})), slave(of.objects()) {}
 
-  /// Of its objects as it comes from the box, or, where the role changes them, as slave.
+  /// Whether it has the object with its factory settings, or, where the role changes the objects, as slave.
   [[nodiscard]] bool has(std::uint16_t index) const {
     return module->node().dictionary().description().find(index) != nullptr || slave->find(index) != nullptr;
   }

@@ -42,7 +42,7 @@ std::string details_of(const Json& error) {
   return shown;
 }
 
-/// What it shows and keeps of errors, in words; module diagnostics stand above.
+/// Prints the present errors and the error history; module diagnostics are printed above.
 void print_history(const Json& module, Output& out) {
   constexpr std::size_t most_shown = 20;
   for (const Json& group : field_list(module, "history")) {

@@ -25,9 +25,9 @@ struct NamedWords {
 /// Those of a module, in the order of its table; of a name that several function modes have, the first one.
 [[nodiscard]] std::vector<NamedWords> named_words(const plant::CatalogueEntry& entry);
 
-/// "communication_status", or "nmt_state[4]" for the word four behind the first of that name, counted in words of
-/// this name. `model` may be left out when every module that has the name has it at the same address. The error
-/// says what was expected.
+/// "communication_status", or "nmt_state[4]" for the word four behind the first of that name, counted in
+/// words of this name. `model` may be left out when every module that has the name has it at the same
+/// address. The error names what was expected.
 [[nodiscard]] std::expected<std::uint32_t, std::string> find_word(std::string_view name,
                                                                   std::string_view model = {});
 

@@ -34,8 +34,8 @@ std::string_view why_not_written(const PlcPoint& point) {
   return "the PLC does not let it be written, or writes it as well";
 }
 
-/// Reads back what was written, unless that is not wanted. Complains of the first point that shows something
-/// else; `same` compares, `shown` shows.
+/// Reads back what was written, unless the arguments disable that. Prints an error for the first point that
+/// differs; `same` compares, `shown` formats.
 template <typename Value, typename Read, typename Show>
 int verify(const PlcPoint& point, const PlcArguments& arguments, std::span<const Value> written, Read read,
            Show show) {

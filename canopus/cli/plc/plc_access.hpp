@@ -1,5 +1,6 @@
 #pragma once
-// What the subcommands of `canopus plc` share: their arguments, addresses, values as text, reading and writing.
+// Common to the subcommands of `canopus plc`: their arguments, addresses, values as text, reading and
+// writing.
 
 #include <cstdint>
 #include <expected>
@@ -44,7 +45,7 @@ int with_client(const PlcArguments& arguments, const std::function<int(client::P
                                                                               const client::PlcPoint& point,
                                                                               const PlcArguments& arguments);
 
-/// Writes, and reads back unless that is not wanted.
+/// Writes, and reads back unless the arguments disable that.
 int write_and_verify(client::PlcClient& client, const client::PlcPoint& point, const PlcArguments& arguments,
                      std::span<const std::uint8_t> bits);
 int write_and_verify(client::PlcClient& client, const client::PlcPoint& point, const PlcArguments& arguments,

@@ -1,5 +1,5 @@
 #pragma once
-// What a command line says of a PLC: how it is reached, and what is read or written.
+// The arguments for a PLC: its connection, and what to read or write.
 
 #include <cstdint>
 #include <optional>
@@ -16,7 +16,7 @@ struct TransferSetup;
 
 struct PlcArguments {
   std::string setup;  ///< the transfer setup that the values are of; empty: none
-  /// Its port is not looked at (`port`), its frame where no flag below names one.
+  /// Its port is ignored (see `port`); its frame is the default of the flags below.
   client::PlcConnection connection;
   std::optional<std::uint16_t> port{};
   bool frame_3e = false;
@@ -27,7 +27,7 @@ struct PlcArguments {
   std::optional<unsigned> unit{};  ///< of Modbus
   std::string timeout = "3s";
   bool octal = false;  ///< X and Y
-  std::string module;  ///< whose names of words are meant
+  std::string module;  ///< module whose names of words are used
   std::string address;
   std::vector<std::string> values;
   std::uint32_t count = 1;

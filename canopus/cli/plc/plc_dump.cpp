@@ -48,13 +48,13 @@ std::expected<Range, std::string> parse_range(const std::string& text, const Plc
   return Range{*first, last->at.number - first->at.number + 1};
 }
 
-/// Points that follow each other, to be written at once.
+/// Consecutive points, to write in one request.
 struct Block {
   PlcPoint first;
   std::vector<std::uint16_t> values;
 };
 
-/// A line "D100,1234", added to the blocks. The error says what was expected.
+/// A line "D100,1234", added to the blocks. The error names what was expected.
 std::expected<void, std::string> read_line(std::string_view line, const PlcArguments& arguments,
                                            std::vector<Block>& blocks) {
   const std::size_t comma = line.find(',');

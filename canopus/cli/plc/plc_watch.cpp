@@ -20,7 +20,7 @@ using client::PlcPoint;
 using WatchClock = std::chrono::steady_clock;
 using Json = text::Json;
 
-/// What a watch prints of one reading.
+/// Prints one reading of a watch.
 class WatchPrinter {
  public:
   WatchPrinter(const PlcPoint& point, const PlcArguments& arguments) : point_(point), arguments_(arguments) {

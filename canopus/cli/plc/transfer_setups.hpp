@@ -1,7 +1,7 @@
 #pragma once
-// Transfer setups: ways to a PLC that are kept under a name, as the configuration tools keep them [RJ71CN91 3.2 Transfer setup].
-// They lie in the file "transfer-setups" of user_state_folder(), one JSON object a line; nobody but their owner reads them.
-// Passwords are none of it.
+// Transfer setups: connections to a PLC that are saved under a name, as in the configuration tools [RJ71CN91
+// 3.2 Transfer setup]. They are in the file "transfer-setups" of user_state_folder(), one JSON object a line,
+// with read permission for the owner only. They contain no passwords.
 
 #include <cstddef>
 #include <cstdint>
@@ -33,7 +33,7 @@ using TransferSetups = std::map<std::string, TransferSetup, std::less<>>;
 
 inline constexpr std::size_t most_transfer_setups = 200;
 
-/// What the tool's wizard has as "CPU type": R00 ... R120SF [RJ71CN91 3.2].
+/// The values of "CPU type" in the tool's wizard: R00 ... R120SF [RJ71CN91 3.2].
 [[nodiscard]] std::span<const std::string_view> cpu_types() noexcept;
 /// "CPU series" of one of them: "R" or "R Safety".
 [[nodiscard]] std::string_view cpu_series(std::string_view cpu_type) noexcept;
@@ -49,7 +49,7 @@ inline constexpr std::size_t most_transfer_setups = 200;
 
 /// All of them; no file is none of them. The error names file and line.
 [[nodiscard]] std::expected<TransferSetups, std::string> read_transfer_setups();
-/// One of them. The error says which there are.
+/// One of them. The error lists all names.
 [[nodiscard]] std::expected<TransferSetup, std::string> find_transfer_setup(std::string_view name);
 
 /// Why setups were not changed.
@@ -57,7 +57,7 @@ struct SetupTrouble {
   bool is_refused = false;  ///< else the file cannot be read or written
   std::string message;
 };
-/// Reads them, changes them and writes them, and nobody else in between. `change` says why it refuses, then nothing is
+/// Reads, changes and writes them under a lock. `change` returns the reason of a refusal, then nothing is
 /// written; empty: changed.
 [[nodiscard]] std::expected<void, SetupTrouble> change_transfer_setups(
     const std::function<std::string(TransferSetups&)>& change);

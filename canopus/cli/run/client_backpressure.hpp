@@ -5,8 +5,9 @@
 
 namespace canopus::cli {
 
-/// Whether a plant in virtual time waits for the clients of its buses to read. It runs a thousand times faster
-/// than they can, and they would lose frames. Who takes nothing for `patience` loses them as in real time.
+/// Whether a plant in virtual time waits for the clients of its buses to read. It runs a thousand times
+/// faster than they can, and they would lose frames. A client that reads nothing for `patience` loses frames
+/// as in real time.
 class ClientBackpressure {
  public:
   using Clock = std::chrono::steady_clock;

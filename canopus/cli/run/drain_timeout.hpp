@@ -9,7 +9,7 @@
 
 namespace canopus::cli {
 
-/// How long the end of a run waits for who reads what it prints. Another signal ends the waiting.
+/// How long the end of a run waits for the reader of its output. Another signal ends the waiting.
 class DrainTimeout {
  public:
   /// `limited`: no longer than a second for a reader that takes nothing.

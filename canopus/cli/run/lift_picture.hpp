@@ -1,6 +1,6 @@
 #pragma once
-// What lifts did, as a picture: where each car was, when its doors were open, which calls there were and when they were
-// answered. An SVG file that needs nothing else.
+// A picture of a run's lifts: the position of each car, its open doors, the calls and the times of their
+// answers. A self-contained SVG file.
 
 #include <cstdint>
 #include <cstdio>
@@ -17,7 +17,7 @@ namespace canopus::cli {
 /// One group of lifts.
 class LiftPicture final : public sim::lift::LiftObserver {
  public:
-  /// The seat must outlive it, and hears of it from now on.
+  /// Registers itself as the listener of `seat`, which must outlive it.
   explicit LiftPicture(plant::LiftOnBus& seat);
 
   void lift_event(const sim::lift::LiftEvent& event) override;

@@ -1,6 +1,6 @@
 #pragma once
-// What a plant and its events give the live table to show. table_layout.hpp makes lines of it, run_screen.hpp
-// brings them on the terminal.
+// Collects the live table's data from a plant and its events. table_layout.hpp formats them as lines,
+// run_screen.hpp draws them on the terminal.
 
 #include <deque>
 #include <functional>
@@ -25,7 +25,7 @@ class LiveTable final : public plant::PlantObserver {
   /// "MC protocol 127.0.0.1:5007": where clients connect.
   void add_server(std::string text) { servers_.push_back(std::move(text)); }
 
-  /// What there is to show now.
+  /// The state to show now.
   [[nodiscard]] TableState look(can::Time now, can::Duration lag);
   /// All errors and warnings since the start.
   [[nodiscard]] const RunMessages& messages() const noexcept { return messages_; }

@@ -20,11 +20,11 @@ namespace canopus::cli {
                                                        const std::vector<plant::SlaveBoot>& boots,
                                                        can::Time now);
 
-/// What a run was asked to expect.
+/// The expectation of a run.
 class OperationalCheck {
  public:
   /// `within`: plant time by which all nodes have to have been operational once; without it only the end
-  /// counts. `goes_on`: the run has an end of its own, and goes on when they are.
+  /// counts. `goes_on`: the run has its own end, and continues when they are.
   OperationalCheck(std::optional<can::Duration> within, bool goes_on) : within_(within), goes_on_(goes_on) {}
 
   /// Asked now and then: true when the question is answered and the run ends by it.

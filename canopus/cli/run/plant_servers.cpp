@@ -96,7 +96,7 @@ bool PlantServers::open_melsec(std::size_t plc) {
         serve::MelsecPort{.udp = port.udp, .settings = port.settings, .writers = port.writers}));
     const auto result = server.listen(place.host, place.port);
     if (!opened(result, protocol_name(port), section.name, place, server.port())) return false;
-    // The first one, but rather one without a remote password, which commands do not know.
+    // The first one without a remote password, which commands do not have; else the first one.
     MelsecWay& way = melsec_ways_[plc];
     const auto is_open = [](const plant::MelsecPortSection* one) {
       return one != nullptr && one->settings.remote_password.empty();
@@ -224,7 +224,7 @@ std::vector<web::WebSettings> PlantServers::settings_for_page() const {
 bool PlantServers::open_web() {
   if (use_.web_events == nullptr) return true;
   std::vector<web::WebBus> buses;
-  // A page of module settings alone has none: the run's own bus is nobody's.
+  // A page of module settings alone has none: the run's own bus has no nodes.
   const bool has_buses =
       !use_.web_project || !use_.web_project->project.empty() || !use_.web_project->start.empty();
   for (std::size_t i = 0; has_buses && i < plant_.bus_count(); ++i) {

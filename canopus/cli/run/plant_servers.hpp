@@ -34,7 +34,7 @@ class PlantServers {
   struct Use {
     /// A server listens: protocol, what it belongs to, its address.
     std::function<void(std::string_view protocol, std::string_view of, const std::string& address)> opened{};
-    /// Who hears what this source has to say of its clients.
+    /// Creates the report function for the clients of a source.
     std::function<link::ClientReport(std::string source)> report{};
     bool free_ports = false;  ///< each on a free port instead of the plant file's
     bool control = false;     ///< control also without the plant file's key, on a free port of this machine
@@ -57,14 +57,14 @@ class PlantServers {
 
   /// False after an error, which is printed.
   [[nodiscard]] bool open();
-  /// What clients of the control server wait for.
+  /// The runs that clients of the control server wait for.
   [[nodiscard]] serve::PlantRuns& runs() noexcept { return runs_; }
-  /// Plant time stands still: requests to racks with a scan of their own are answered at once. Or it moves, and they wait
-  /// for the END of the scan.
+  /// Plant time is stopped: requests to racks with a scan of their own are answered at once. Or it runs, and
+  /// they wait for the END of the scan.
   void set_standing_still(bool standing_still);
   /// Messages that wait for the slowest client of a bus.
   [[nodiscard]] std::size_t waiting_messages() const noexcept;
-  /// Answers who still waits, and closes.
+  /// Answers pending requests, and closes.
   void close();
 
  private:
@@ -102,7 +102,7 @@ class PlantServers {
   std::optional<web::WebPage> web_;
 };
 
-/// As a programming tool sets them: the clocks of all CPUs to the time of day where the machine is.
+/// Sets the clocks of all CPUs to the machine's local time, like a programming tool.
 void set_cpu_clocks(plant::Plant& plant);
 /// For a plant without a bus outside. `clock` must outlive it.
 [[nodiscard]] web::WebPace pace_of(serve::RealTime& clock);

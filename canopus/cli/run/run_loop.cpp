@@ -56,7 +56,7 @@ class Run {
       : options_(options),
         json_(standard_output()),
         lines_(standard_output(), standard_error(), options.quiet),
-        // Where errors go elsewhere than to the terminal, they go there as they come.
+        // If standard error is not the terminal, errors are printed at once.
         table_(raw_plant_, ::isatty(STDERR_FILENO) != 0 ? nullptr : &standard_error()),
         has_table_(!options.json && !options.quiet && !options.virtual_time && is_terminal(STDOUT_FILENO)),
         linked_buses_(
@@ -100,7 +100,7 @@ class Run {
   LiveTable table_;
   bool has_table_;
   std::optional<web::WebEvents> web_events_;
-  // Other threads post to it and do nothing else with what lives on it: no lock for each descriptor.
+  // Other threads only post to it and never use its descriptors: no lock for each descriptor.
   asio::io_context io_{BOOST_ASIO_CONCURRENCY_HINT_UNSAFE_IO};
   serve::LinkedBuses linked_buses_;
   std::unique_ptr<plant::Plant> plant_;
@@ -150,7 +150,7 @@ PlantServers::Use Run::server_use(serve::PlantRuns::Order order, web::WebPace pa
           .order = order};
 }
 
-/// What a server has to say of its clients, as errors of this source.
+/// Reports of a server about its clients, as errors of this source.
 link::ClientReport Run::report_of(std::string source) {
   return serve::ClientReports(observer(), plant_->timeline(), std::move(source));
 }
@@ -164,7 +164,7 @@ void Run::start_table(serve::RealTime& clock) {
   screen_->start();
 }
 
-/// What a person has to read stays on the terminal when the table has gone.
+/// Messages for the user stay on the terminal after the table has gone.
 void Run::end_table() {
   screen_.reset();
   table_.messages().print(standard_error());
@@ -178,7 +178,7 @@ void Run::show_connections() {
 bool Run::run_in_real_time() {
   const can::Time end = options_.duration ? can::Time{} + *options_.duration : can::never;
   serve::RealTime clock(io_, *plant_, observer(), end);
-  // A bus outside, and a process that is to be punctual, want each frame at its moment.
+  // An external bus, and a real-time process, need each frame at its moment.
   const bool is_alone = linked_buses_.empty() && !options_.real_time;
   PlantServers servers(
       io_, *plant_, clock,
@@ -217,15 +217,16 @@ bool Run::run_in_real_time() {
 
 /// Plant time moves only as long as a client of the control server waits for it.
 bool Run::run_in_step() {
-  constexpr auto turn = 10ms;  // of the machine's time, until clients are heard again
-  constexpr auto step = 5ms;   // of plant time: so many frames find room in the queues of clients
+  constexpr auto turn = 10ms;  // of the machine's time, until clients are served again
+  constexpr auto step = 5ms;   // of plant time: its frames fit into the queues of clients
   const can::Time end = options_.duration ? can::Time{} + *options_.duration : can::never;
   can::Timeline& timeline = plant_->timeline();
   serve::StepClock clock(timeline);
   PlantServers servers(io_, *plant_, clock, server_use(serve::PlantRuns::Order::in_turn));
   if (!servers.open()) return false;
   show_connections();
-  // The plant waits for who reads its output, inside of which no client may access it: signals come elsewhere.
+  // While the plant waits for the reader of its output, no client may access it: another thread handles
+  // signals.
   const auto goes_on = [this](auto) { return !stop_watch_->came() && !output_failed_; };
   output_->set_patience(goes_on);
   recording_.set_patience(goes_on);
@@ -282,7 +283,7 @@ bool Run::expectation_over() {
   return expected_ && expected_->over(plant_->nodes(), plant_->timeline().now());
 }
 
-/// In real time the expectation is looked at every now and then.
+/// In real time the expectation is checked periodically.
 void Run::look_for_end() {
   if (expectation_over()) return io_.stop();
   end_timer_->expires_after(20ms);
@@ -291,7 +292,7 @@ void Run::look_for_end() {
   });
 }
 
-/// Whether the nodes are operational as expected; says which are not, and why.
+/// Whether the nodes are operational as expected; prints those that are not, and why.
 bool Run::came_up() {
   const can::Time now = plant_->timeline().now();
   if (!expected_ || expected_->met(plant_->nodes(), now)) return true;
@@ -335,10 +336,10 @@ void Run::summarise(can::Duration wall) {
   options_.json ? json_.summary(summary) : lines_.summary(summary);
 }
 
-/// A table leaves no room for warnings: they stand above it when it has gone.
+/// A table leaves no room for warnings: they are printed before it and remain after it.
 void Run::warn() {
   for (text::FileWarning warning : plant_->warnings()) {
-    if (options_.plant_text) warning.place = {};  // nobody wrote its lines
+    if (options_.plant_text) warning.place = {};  // generated text: a line means nothing to the user
     if (has_table_) print_error("{}", describe(warning, options_.plant));
     observer().on({{}, plant::Warning{describe(warning.place, options_.plant), warning.message}});
   }
@@ -372,7 +373,7 @@ int Run::operator()() {
     good = run_in_real_time();
   }
   const can::Duration wall = WallClock::now() - started;
-  // In virtual time whoever reads has all the time there is.
+  // In virtual time the reader of the output has unlimited time.
   DrainTimeout patience(!options_.virtual_time || is_to_end());
   const auto waits = [&patience](WallClock::duration since) { return patience(since); };
   output_->set_patience(waits);

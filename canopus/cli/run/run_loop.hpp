@@ -1,7 +1,7 @@
 #pragma once
 // Runs a plant: in real time, in step with the machine's clock, with its servers (MC protocol, socketcand)
 // open; or in virtual time, as fast as it goes, without servers or driven in step by a client. Ends after a
-// duration, or when it is told to.
+// duration, or on request.
 
 #include <cstdint>
 #include <optional>
@@ -22,15 +22,16 @@ struct RunOptions {
   std::vector<std::string> links{};         ///< in place of the plant file's: "line1=socketcan:can0"
   std::optional<can::Duration> duration{};  ///< plant time; without it until SIGINT or SIGTERM
   bool virtual_time = false;
-  bool step = false;        ///< in virtual time: with servers, and time moves only when a client wants it to
+  bool step = false;        ///< in virtual time: with servers, and time moves only on a client's request
   bool free_ports = false;  ///< every server takes a free port instead of the plant file's
   std::optional<text::HostAndPort>
       web{};                    ///< the page in the browser; port 0: a free one. In real time alone
-  web::WebAccess web_access{};  ///< who may use the page
+  web::WebAccess web_access{};  ///< access rights to the page
   std::vector<web::WebSettings> web_settings{};  ///< module settings that the page edits
   std::optional<web::WebProject> web_project{};  ///< what the page edits, in place of projects of the plant
   std::optional<std::uint64_t> seed{};
-  /// In virtual time: on so many threads at most. 0: as many as the machine has. The output does not depend on it.
+  /// In virtual time: the maximum number of threads. 0: the number of the machine's processors. The output
+  /// does not depend on it.
   std::size_t threads = 0;
   std::string trace{};  ///< file for all frames: candump log, or pcap if it ends so; empty = none
   std::string

@@ -28,9 +28,9 @@ class RunMessages {
   void add(RunMessage message);
   [[nodiscard]] std::uint64_t errors() const noexcept { return errors_; }
   [[nodiscard]] std::uint64_t warnings() const noexcept { return warnings_; }
-  /// At most so many, newest last.
+  /// At most this number, newest last.
   [[nodiscard]] std::vector<RunMessage> latest(std::size_t count) const;
-  /// What is not printed yet, as a run without a table prints it, and how many could not be kept.
+  /// Prints the pending messages, as a run without a table does, and the number of dropped ones.
   void print(Output& out) const;
   /// One of them.
   static void print(const RunMessage& message, Output& out);

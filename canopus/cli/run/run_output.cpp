@@ -22,7 +22,7 @@ RunOutput::RunOutput(const Use& use)
     : out_(STDOUT_FILENO, {.lost_line = use.lost_line, .failed = [end = use.failed](int) { end(); }}) {
   if (!is_one_stream()) {
     const auto end_run = [end = use.failed](int error) {
-      if (error == EPIPE) end();  // of the rest nobody can hear
+      if (error == EPIPE) end();  // the rest cannot be printed
     };
     error_.emplace(STDERR_FILENO, OutputQueue::Use{.lost_line = use.lost_error_line,
                                                    .failed = end_run,

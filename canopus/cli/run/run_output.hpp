@@ -1,8 +1,8 @@
 #pragma once
-// What a run prints, by queues, so that a plant in real time never waits for who reads it.
+// The output of a run, by queues, so that a plant in real time never waits for its reader.
 //
 //                    real time                        virtual time
-//   nobody reads     lines are lost, and counted      the plant waits, as long as it is not interrupted
+//   not read         lines are lost, and counted      the plant waits, as long as it is not interrupted
 //   at the end       waits while the reader goes on   the same; without an interruption as long as it takes
 //   reader gone      the run ends, quietly, by SIGPIPE
 //   cannot write     the run ends with a sentence and exit code 1
@@ -24,7 +24,7 @@ class RunOutput {
     /// As OutputQueue::Use, for the standard output and the standard error.
     std::function<std::string(std::uint64_t)> lost_line{};
     std::function<std::string(std::uint64_t)> lost_error_line{};
-    /// The output has failed: the run is to end. Called by another thread.
+    /// The output has failed: end the run. Called by another thread.
     std::function<void()> failed{};
   };
   /// From now on the standard streams are queues.
@@ -47,8 +47,8 @@ class RunOutput {
   static constexpr int written = 0;
   static constexpr int failed = 1;
   static constexpr int reader_gone = 128 + 13;  ///< as shells show a process that SIGPIPE ended
-  /// Writes what is left, as long as the patience lasts, says what is lost, and gives the standard streams
-  /// back.
+  /// Writes what is left until the patience ends, prints the number of lost lines, and restores the standard
+  /// streams.
   int finish(const OutputQueue::Patience& patience);
 
  private:

@@ -1,7 +1,7 @@
 #pragma once
-// What a run records beside its output: every frame of its buses in one trace file, and the wire of each bus
-// as a waveform. Regular files are written at once. What has a reader (a FIFO, a pipe, /dev/stdout) gets its
-// own queue: in real time the plant does not wait for it.
+// The recordings of a run beside its output: every frame of its buses in one trace file, and the wire of each
+// bus as a waveform. Regular files are written at once. A file with a reader (a FIFO, a pipe, /dev/stdout)
+// gets its own queue: in real time the plant does not wait for it.
 
 #include <cstdio>
 #include <expected>
@@ -75,8 +75,8 @@ class TraceWriter final : public can::BusObserver {
   std::vector<Held> held_;
 };
 
-/// Where the wire of one of several buses goes: "wire.vcd" becomes "wire-line1.vcd". A name that is no name of a
-/// file is written as file_name_of() says, and never leads out of the folder.
+/// The path of the waveform of one of several buses: "wire.vcd" becomes "wire-line1.vcd". file_name_of()
+/// converts a name that is not valid for a file, so that it never leads out of the folder.
 [[nodiscard]] std::string vcd_path_of(std::string_view path, std::string_view bus);
 
 /// The wire of one bus as a VCD file. The first error is kept and returned by close().
@@ -113,7 +113,8 @@ class RunRecording {
  public:
   /// Every frame of the plant's buses in this file; no path: none. The error is a sentence.
   [[nodiscard]] std::expected<void, std::string> open_trace(const std::string& path, plant::Plant& plant);
-  /// The wire of each bus, with several buses in one file each. Whatever acts on the plant does so at multiples of `grid`.
+  /// The wire of each bus, with several buses in one file each. All external actions on the plant come at
+  /// multiples of `grid`.
   [[nodiscard]] std::expected<void, std::string> open_vcd(const std::string& path, plant::Plant& plant,
                                                           can::Duration grid = std::chrono::microseconds(1));
   /// A picture of the lifts, written at the end; no path: none.
@@ -121,7 +122,7 @@ class RunRecording {
   void set_patience(const OutputQueue::Patience& patience);
   /// Parts of the plant have run apart and met (plant::Plant::parts_met).
   void parts_met();
-  /// What went wrong since the start, a sentence each.
+  /// The errors since the start, a sentence each.
   [[nodiscard]] std::vector<std::string> close(can::Time now, const OutputQueue::Patience& patience);
 
  private:

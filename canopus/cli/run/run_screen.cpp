@@ -72,7 +72,8 @@ bool RunScreen::redraw() {
   return is_up_to_date;
 }
 
-/// A process that was stopped by SIGSTOP has left the terminal to the shell without a word.
+/// A process stopped by SIGSTOP could not restore the terminal for the shell: draws everything again after
+/// SIGCONT.
 void RunScreen::look_after_shell() {
   const std::uint64_t now = use_.continuations();
   const bool continued = std::exchange(continuations_, now) != now;
@@ -91,7 +92,7 @@ void RunScreen::wait_for_keys() {
 }
 
 void RunScreen::take_keys() {
-  // What is typed while the process is in the background is for the shell: redraw() waits for keys again.
+  // Keys typed while the process is in the background belong to the shell: redraw() waits for keys again.
   if (!screen_.is_shown() || !screen_.terminal().is_foreground()) return;
   const std::string bytes = screen_.terminal().read();
   if (bytes.empty()) return;  // redraw() tries again
@@ -126,7 +127,7 @@ void RunScreen::wait_for_suspension() {
 void RunScreen::suspend() {
   screen_.leave();
   Error ignored;
-  suspended_.clear(ignored);  // as it is for a program that does not care
+  suspended_.clear(ignored);  // as for a program that does not handle the signal
   (void)std::raise(SIGTSTP);
   // Continued: in the foreground, or in the background, where nothing is shown.
   wait_for_suspension();

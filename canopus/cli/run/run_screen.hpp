@@ -22,7 +22,7 @@ class RunScreen {
   struct Use {
     std::function<TableState()> look{};  ///< what to show
     std::function<void()> quit{};        ///< the key q
-    /// How often the process was stopped and continued, as far as is known.
+    /// The known number of times that the process was stopped and continued.
     std::function<std::uint64_t()> continuations{};
     bool colour = false;
   };

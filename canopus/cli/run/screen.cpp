@@ -42,7 +42,7 @@ constexpr int fatal_signals[] = {SIGQUIT, SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSE
 std::atomic<const Terminal*> shown_terminal{nullptr};
 static_assert(std::atomic<const Terminal*>::is_always_lock_free);
 
-/// The handler is in force once: what it raises ends the program.
+/// The handler is active once: the signal that it raises ends the program.
 void restore_and_end(int signal) {
   if (const Terminal* terminal = shown_terminal.exchange(nullptr); terminal != nullptr) {
     terminal->restart_output();
@@ -53,7 +53,7 @@ void restore_and_end(int signal) {
   (void)::raise(signal);
 }
 
-/// Where nobody else has a handler (a sanitizer, for instance).
+/// Only for signals without another handler (of a sanitizer, for instance).
 void set_handlers() {
   for (const int signal : fatal_signals) {
     struct sigaction now {};
@@ -87,7 +87,7 @@ std::string drawn(const std::vector<TableLine>& lines, TableSize size, bool colo
       const bool plain = !colour || span.style == TableStyle::plain;
       text += plain ? safe : fmt::format("\x1b[{}m{}\x1b[0m", code(span.style), safe);
     }
-    // At the end of a full line the cursor stands on its last character.
+    // At the end of a full line the cursor is on its last character.
     if (columns < size.columns) text += "\x1b[K";
   }
   if (lines.size() < size.rows) text += fmt::format("\x1b[{};1H\x1b[J", lines.size() + 1);

@@ -39,7 +39,7 @@ class Screen {
   bool shown_ = false;
 };
 
-/// What brings these lines on a terminal, from its upper left corner on.
+/// The bytes that draw these lines on a terminal, from its upper left corner on.
 [[nodiscard]] std::string drawn(const std::vector<TableLine>& lines, TableSize size, bool colour);
 
 }  // namespace canopus::cli

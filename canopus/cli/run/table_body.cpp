@@ -13,7 +13,7 @@
 namespace canopus::cli {
 namespace {
 
-/// What is wrong with a node, worst first, or what somebody must not forget.
+/// The fault of a node, worst first, or a state to remember.
 enum class Severity : std::uint8_t {
   bus_off,
   failed,  ///< its boot, or the module has an error
@@ -95,7 +95,7 @@ std::string_view controller_name(can::ErrorState state) {
   return "-";
 }
 
-/// Where there is no column for the controller, what is wrong with it stands in place of the state.
+/// Without a column for the controller its fault is shown in place of the state.
 std::string_view state_text(const Entry& entry, const Columns& columns) {
   if (entry.status == nullptr) return "not booted";
   if (columns.controller == 0 && entry.severity == Severity::bus_off) return "bus-off";
@@ -154,7 +154,7 @@ void add(Entry& entry, Severity severity, std::string reason, TableStyle style) 
   if (!reason.empty()) entry.reasons.push_back({std::move(reason), style});
 }
 
-/// What the node itself and its controller show.
+/// Evaluates the state of the node and of its controller.
 void look_at(Entry& entry) {
   const plant::NodeStatus& status = *entry.status;
   const auto counters = [&](std::string_view state) {

@@ -12,8 +12,8 @@ namespace canopus::cli {
 /// A plant may have thousands of nodes: only the lines that are asked for are made.
 class TableBody {
  public:
-  /// Of this state, which outlives it. `room`: so many lines are there for it. What is wrong with the nodes
-  /// stands there in full where the nodes in trouble take no more than two thirds of it, else in one line each.
+  /// `state` must outlive it. `room`: number of available lines. The faults of nodes are shown in full if the
+  /// faulty nodes take no more than two thirds of it, else in one line each.
   TableBody(const TableState& state, std::size_t columns, std::size_t room);
   ~TableBody();
   TableBody(const TableBody&) = delete;
@@ -22,7 +22,7 @@ class TableBody {
   [[nodiscard]] TableLine titles() const;
   [[nodiscard]] std::size_t size() const noexcept;
   [[nodiscard]] TableLine line(std::size_t number) const;
-  /// So many nodes begin in these lines, `end` excluded.
+  /// The number of nodes that begin in these lines, `end` excluded.
   [[nodiscard]] std::size_t nodes(std::size_t first, std::size_t end) const;
   /// Puts a line at its end that belongs to no node.
   void append(TableLine line);
@@ -32,7 +32,7 @@ class TableBody {
   std::unique_ptr<Impl> impl_;
 };
 
-/// How many of the plant's nodes are in operation: "3 of 4 operational".
+/// The number of the plant's nodes in operation: "3 of 4 operational".
 [[nodiscard]] std::size_t in_operation(const TableState& state);
 
 }  // namespace canopus::cli

@@ -11,10 +11,10 @@ namespace canopus::cli {
 
 enum class TableKey : std::uint8_t { up, down, page_up, page_down, home, end, help, quit };
 
-/// The keys in what a terminal sends at a time; others are left out, whatever sequence they are.
+/// The keys in one input of a terminal; other sequences are skipped.
 [[nodiscard]] std::vector<TableKey> keys_in(std::string_view bytes);
 
-/// What to show after the key, when this was shown before it. `quit` changes nothing.
+/// The view after the key; `view` and `shown`: before it. `quit` changes nothing.
 [[nodiscard]] TableView after_key(TableView view, TableKey key, const TablePicture& shown);
 
 }  // namespace canopus::cli

@@ -15,7 +15,7 @@ namespace {
 
 using Lines = std::vector<TableLine>;
 
-/// How many lines there are at most for what stands above and below the body.
+/// Most lines for the parts above and below the body.
 struct Shares {
   explicit Shares(std::size_t rows)
       : buses(rows < 3 ? 0 : std::max<std::size_t>(1, rows / 6)),
@@ -134,7 +134,7 @@ Lines all_signal_lines(const TableState& state, std::size_t columns) {
   return lines;
 }
 
-/// At most so many of the lines; the last one then says how many more there are.
+/// At most this number of lines; if some are hidden, the last one is their number.
 Lines at_most(Lines lines, std::size_t most, std::size_t columns) {
   if (lines.size() <= most) return lines;
   const std::size_t more = lines.size() - most;
@@ -165,7 +165,7 @@ Lines message_lines(const TableState& state, std::size_t columns, std::size_t mo
     if (room == 0) break;
     std::vector<std::string> pieces = wrapped(text, columns, 6);
     if (pieces.size() > room && shown != 0) break;
-    if (pieces.size() > room) {  // the newest one stands there at any price
+    if (pieces.size() > room) {  // the newest one must be visible
       pieces.resize(room);
       std::string& end = pieces.back();
       end = std::string(text::clipped(end, columns - 1)) + "…";
@@ -204,7 +204,7 @@ Lines footer_lines(const TableState& state, bool help, std::size_t columns, std:
   return at_most(std::move(lines), most, columns);
 }
 
-/// What is above and below the part of the body that is shown.
+/// The text for the hidden nodes above and below the visible part of the body.
 std::string more_text(const TableBody& body, std::size_t first, std::size_t end) {
   const std::size_t above = body.nodes(0, first);
   const std::size_t below = body.nodes(end, body.size());
@@ -277,7 +277,7 @@ TablePicture lay_out(const TableState& state, TableView view, TableSize size) {
     return room - std::min(room, below);
   };
   TableBody body(state, columns, body_room());
-  // What did not fit above is found at the end.
+  // Lines that did not fit above are at the end.
   if (signals.size() > shares.signals) {
     for (const TableLine& line : signals) body.append(line);
   }

@@ -1,5 +1,5 @@
 #pragma once
-// What the live table shows, at one moment: plain data, so that its layout is a function of it.
+// The contents of the live table at one moment: plain data, so that its layout is a function of it.
 
 #include <cstdint>
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace canopus::cli {
 
-/// Of a terminal.
+/// The size of a terminal.
 struct TableSize {
   unsigned rows = 24;
   unsigned columns = 80;
@@ -36,11 +36,11 @@ struct TableState {
   std::vector<Bus> buses{};
   std::vector<Node> nodes{};                     ///< in the order of the plant file, modules first
   std::vector<plant::SlaveBoot> boots{};         ///< booted ones, too
-  std::vector<plant::ModuleTrouble> troubles{};  ///< modules whose process data stand still
-  std::vector<plant::ForcedObject> forced{};     ///< values of devices that somebody set
+  std::vector<plant::ModuleTrouble> troubles{};  ///< modules that exchange no process data
+  std::vector<plant::ForcedObject> forced{};     ///< forced values of devices
   std::vector<plant::ModuleStatus> modules{};    ///< signals and watched words
   std::vector<RunMessage> messages{};            ///< the latest errors and warnings, newest last
-  std::uint64_t errors = 0;                      ///< so many came in all
+  std::uint64_t errors = 0;                      ///< total number
   std::uint64_t warnings = 0;
   std::vector<std::string> events{};   ///< the latest other events, newest last
   std::vector<std::string> servers{};  ///< "MC protocol 127.0.0.1:5007": where clients connect

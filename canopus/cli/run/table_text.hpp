@@ -1,5 +1,5 @@
 #pragma once
-// Text for a table of so many columns: made printable, measured as a terminal shows it (wide characters take
+// Text for a table of a given width: made printable, measured as a terminal shows it (wide characters take
 // two columns, combining ones none), clipped or broken so that no line wraps.
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace canopus::cli {
 
-/// How a part of a line looks where there is colour.
+/// The style of a part of a line on a terminal with colour.
 enum class TableStyle : std::uint8_t { plain, bold, faint, good, warning, error };
 
 struct TableSpan {
@@ -20,17 +20,17 @@ struct TableSpan {
 /// A line of the table, printable.
 using TableLine = std::vector<TableSpan>;
 
-/// The line without its looks.
+/// The line without its styles.
 [[nodiscard]] std::string text_of(const TableLine& line);
 
-/// As much of the text as fits into so many columns, with "…" for the rest.
+/// The text cut to this number of columns, with "…" for the rest.
 [[nodiscard]] std::string fitted(std::string_view text, std::size_t columns);
-/// The same with blanks to exactly so many columns.
+/// The same, padded with blanks to exactly this number of columns.
 [[nodiscard]] std::string padded(std::string_view text, std::size_t columns);
-/// The line with no more than so many columns.
+/// The line cut to this number of columns.
 [[nodiscard]] TableLine fitted(TableLine line, std::size_t columns);
-/// The text in lines of at most so many columns, broken between words where that is possible; the second and
-/// further ones begin with `indent` blanks.
+/// The text in lines of at most this number of columns, broken between words where that is possible; the
+/// second and further ones begin with `indent` blanks.
 [[nodiscard]] std::vector<std::string> wrapped(std::string_view text, std::size_t columns,
                                                std::size_t indent);
 

@@ -9,14 +9,14 @@
 namespace canopus::cli {
 namespace {
 
-/// A process in the background that sets the terminal is stopped; between a look at it and the setting it may
-/// have got there.
+/// A background process that sets the terminal is stopped by SIGTTOU; it may have gone to the background
+/// after the check.
 void set(int descriptor, const termios& settings) {
   sigset_t stop, before;
   sigemptyset(&stop);
   sigaddset(&stop, SIGTTOU);
   ::pthread_sigmask(SIG_BLOCK, &stop, &before);
-  (void)::tcsetattr(descriptor, TCSANOW, &settings);  // does not wait for output that nobody reads
+  (void)::tcsetattr(descriptor, TCSANOW, &settings);  // does not wait for unread output
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 

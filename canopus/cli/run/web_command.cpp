@@ -63,7 +63,8 @@ std::string plant_without_devices(const std::string& name) {
   return fmt::format("[plant]\nname = {}\n[[bus]]\nname = \"none\"\nbit_rate = 500_000\n", in_toml(name));
 }
 
-/// Whether a plant is made of it; what is wrong otherwise is said, and no reason not to edit the project.
+/// Whether a plant can be built from it; otherwise prints the errors, which do not prevent editing the
+/// project.
 bool has_devices(const std::string& text, const std::string& list) {
   class : public plant::PlantObserver {
   } no_observer;
@@ -73,7 +74,7 @@ bool has_devices(const std::string& text, const std::string& list) {
   return false;
 }
 
-/// What is the same with a project and without one.
+/// Common to runs with and without a project.
 int run_page(const WebArguments& arguments, RunOptions options) {
   options.web = text::HostAndPort{};
   options.web_access = arguments.access;
@@ -96,7 +97,8 @@ int run_start(const WebArguments& arguments) {
   return run_page(arguments, std::move(options));
 }
 
-/// Options of other commands that lead to the same PLC; the remote password goes by the environment, where nobody sees it.
+/// Options of other commands that lead to the same PLC; the remote password goes by the environment, which
+/// other users cannot read.
 std::vector<std::string> way_of(const PlcArguments& plc) {
   std::vector<std::string> way{"--host=" + plc.connection.host, "--timeout=" + plc.timeout};
   if (plc.port) way.push_back(fmt::format("--port={}", *plc.port));
@@ -148,7 +150,7 @@ int run_project(const WebArguments& arguments) {
     return file_error;
   }
   const std::string list = folder->shown_list();
-  // A plant is made of the files as they lie there, some of which may be those after the change.
+  // The plant is built from the present files, some of which may already be changed.
   bool with_devices =
       !unfinished && arguments.bus.empty() && !arguments.no_devices && !project->nodes().empty();
   if (with_devices) with_devices = has_devices(plant_text(arguments, *project, list, true), list);

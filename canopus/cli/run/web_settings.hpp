@@ -7,7 +7,7 @@
 
 namespace canopus::cli {
 
-/// Of a file. The error names it, and the line.
+/// Reads a file. The error names it, and the line.
 [[nodiscard]] std::expected<web::WebSettings, std::string> read_web_settings(const std::string& file);
 
 }  // namespace canopus::cli

@@ -33,7 +33,7 @@ struct MonitorOptions {
   bool json = false;
 };
 
-/// Hears the bus, prints what it hears, and records it.
+/// Receives, prints and records the frames of a bus.
 class Monitor final : public can::Listener {
  public:
   /// `bus`: its name, if it has one; a plant file's names are those of its bus of that name.

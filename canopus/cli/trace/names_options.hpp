@@ -1,5 +1,5 @@
 #pragma once
-// Where the analyser takes the names of nodes and objects from: a plant file, a network file, device files.
+// Sources of node and object names for the analyser: a plant file, a network file, device files.
 
 #include <optional>
 #include <string>
@@ -21,7 +21,7 @@ struct NamesOptions {
 /// --plant, --network and --node.
 void add_names_options(Command& command, NamesOptions& options);
 
-/// The files that are named, for those who write one.
+/// The files that the options name, for commands that write a file.
 [[nodiscard]] std::vector<std::string> files_of(const NamesOptions& options);
 
 /// Reads the files. Nothing after their mistakes were printed on `err`.

@@ -67,8 +67,8 @@ struct Choice {
                     record.frame.identifier <= range.last;
            });
   }
-  /// What the node hears in the pre-defined connection set [CiA 301 7.3.3]: NMT, SYNC, TIME, its RPDOs, its SDO
-  /// server, node guarding, LSS.
+  /// The frames that the node receives in the pre-defined connection set [CiA 301 7.3.3]: NMT, SYNC, TIME,
+  /// its RPDOs, its SDO server, node guarding, LSS.
   [[nodiscard]] bool is_for_node(const can::Frame& frame) const {
     if (frame.extended) return false;
     switch (frame.identifier) {
@@ -130,7 +130,7 @@ std::optional<double> parse_speed(std::string_view text) {
 /// A bus that takes nothing for so long is not waited for any more.
 constexpr can::Duration standstill = std::chrono::seconds(10);
 
-/// What a server has in its buffers gets out on a slow bus in this time, if at all.
+/// Longest time in which a server's buffers are sent on a slow bus.
 constexpr can::Duration flush_time = std::chrono::seconds(60);
 
 /// Waits until what was sent is on the bus, as long as it gets on.
@@ -144,10 +144,10 @@ BusLoop::End wait_for_sent(BusLoop& bus) {
   }
 }
 
-/// How long a bus that takes no more frames has not got on.
+/// The time without progress of a bus that accepts no frames.
 class Standstill {
  public:
-  /// True when it is too long. To be asked now and then.
+  /// True when it is too long. Call it periodically.
   bool look(const BusLoop& bus, const TracePlayer& player) {
     const bool gets_on = !player.is_held() || player.sent() != sent_ || bus.under_way() != under_way_;
     sent_ = player.sent();

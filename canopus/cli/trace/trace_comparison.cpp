@@ -41,7 +41,7 @@ void TraceComparison::pair(const ComparedRecord& a, const ComparedRecord& b) {
   report_(Difference::other_time, &a, &b);
 }
 
-/// The first frames of both windows, which are not alike one by one.
+/// The first frames of both windows, which do not match one by one.
 void TraceComparison::take(std::size_t of_a, std::size_t of_b) {
   std::vector<bool> found(of_b);
   for (std::size_t i = 0; i < of_a; ++i) {
@@ -81,7 +81,7 @@ ComparisonCounts TraceComparison::compare() {
     (void)b_.fill(window + run);
     const std::size_t most_a = std::min(window, a_.ahead.size());
     const std::size_t most_b = std::min(window, b_.ahead.size());
-    // the fewest frames that are not alike
+    // the fewest frames without a match
     bool found = false;
     for (std::size_t sum = 1; sum <= most_a + most_b && !found; ++sum) {
       for (std::size_t of_a = sum > most_b ? sum - most_b : 0; of_a <= std::min(sum, most_a); ++of_a) {

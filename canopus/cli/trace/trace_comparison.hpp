@@ -1,6 +1,7 @@
 #pragma once
-// Two traces side by side. Frames are the same if channel, identifier, length and data are; where they are not, the
-// next place where both go on alike is looked for in a window, so memory does not grow with the traces.
+// Two traces side by side. Frames are the same if channel, identifier, length and data are; where they are
+// not, the next position where both match again is searched in a window, so memory does not grow with the
+// traces.
 
 #include <cstdint>
 #include <deque>
@@ -31,9 +32,9 @@ struct ComparisonCounts {
 
 class TraceComparison {
  public:
-  /// Frames on each side that are looked at to find where both go on alike.
+  /// Frames on each side that are searched for a match.
   static constexpr std::size_t window = 400;
-  /// So many must be alike.
+  /// The number of consecutive frames that must match.
   static constexpr std::size_t run = 3;
 
   using Source = std::function<std::optional<ComparedRecord>()>;

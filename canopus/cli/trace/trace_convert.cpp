@@ -26,7 +26,7 @@ struct ConvertOptions {
   bool quiet = false;
 };
 
-/// Where the converted records go: a file, or the standard output in large pieces.
+/// The destination of the converted records: a file, or the standard output in large pieces.
 class Target {
  public:
   [[nodiscard]] static std::expected<Target, std::string> open(const std::string& path,

@@ -24,7 +24,7 @@ std::nullptr_t wrong(std::string_view message) {
   return nullptr;
 }
 
-/// The bus that is meant, or nothing after a mistake was printed.
+/// The selected bus, or nothing after an error was printed.
 std::optional<std::string> chosen_bus(const ExportOptions& options, const trace::Names& names) {
   std::set<std::string> buses;
   for (const trace::NodeDescription& node : names.nodes()) {

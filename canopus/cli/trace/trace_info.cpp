@@ -1,4 +1,4 @@
-// canopus trace info FILE: what capinfos says of a capture.
+// canopus trace info FILE: statistics of a trace, like capinfos.
 
 #include <map>
 #include <memory>

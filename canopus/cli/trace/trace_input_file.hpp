@@ -31,7 +31,7 @@ class TraceInputFile {
   [[nodiscard]] const trace::TraceReader& reader() const noexcept { return *reader_; }
   /// Records that could not be read.
   [[nodiscard]] std::uint64_t mistakes() const noexcept { return mistakes_; }
-  /// Says how many more mistakes there were than were printed.
+  /// Prints the number of mistakes that were not printed.
   void finish();
 
  private:

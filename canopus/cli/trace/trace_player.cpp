@@ -6,7 +6,7 @@
 namespace canopus::cli {
 namespace {
 
-/// How long a bus that takes no more frames is given, and how many are sent without looking at it.
+/// The pause for a bus that accepts no frames, and the number of frames sent without checking it.
 constexpr can::Duration pause = std::chrono::milliseconds(1);
 constexpr int at_once = 64;
 

@@ -29,9 +29,9 @@ class TracePlayer final : public can::Participant {
   void start(can::Time now, can::Duration first);
   [[nodiscard]] bool is_done() const noexcept { return done_; }
   [[nodiscard]] std::uint64_t sent() const noexcept { return sent_; }
-  /// The bus did not take the last frame that was to be sent; it is tried again.
+  /// The bus did not accept the last frame; it is tried again.
   [[nodiscard]] bool is_held() const noexcept { return held_; }
-  /// How far in the trace.
+  /// The position in the trace.
   [[nodiscard]] can::Duration position() const noexcept { return position_; }
 
   void receive(const can::Frame& /*frame*/, can::Time /*now*/) override {}
