@@ -107,8 +107,8 @@ struct Failure {
 struct Event {
   can::Time time;
   std::variant<BootUp, NmtStateChange, LssSetting, EmergencySent, MissingAck, BusErrorEvent, ControllerChange,
-               SlaveBootStep, SignalChange, BufferChange, ObjectForced, ObjectReleased, LiftChange, LoadMeasured,
-               Warning, ModuleEvent, ModuleError, Failure>
+               SlaveBootStep, SignalChange, BufferChange, ObjectForced, ObjectReleased, LiftChange,
+               LoadMeasured, Warning, ModuleEvent, ModuleError, Failure>
       what;
 };
 
