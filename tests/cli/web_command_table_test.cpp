@@ -11,7 +11,7 @@
 #include "canopus/web/commands/arguments.hpp"
 #include "canopus/web/commands/command_table.hpp"
 
-namespace canopus::web::web_command_table_test {
+namespace canopus::cli::web_command_table_test {
 namespace {
 
 using Settings = web::WebCommand::Settings;
@@ -119,4 +119,4 @@ INSTANTIATE_TEST_SUITE_P(Bus, WebCommandTable, testing::ValuesIn(web::web_bus_co
 INSTANTIATE_TEST_SUITE_P(Settings, WebCommandTable, testing::ValuesIn(web::web_settings_commands()), name_of);
 
 }  // namespace
-}  // namespace canopus::web::web_command_table_test
+}  // namespace canopus::cli::web_command_table_test

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "canopus/ascii/words.hpp"
 // rapidcheck/gtest.h wants GoogleTest before it
 #include <rapidcheck/gtest.h>
 
@@ -272,7 +274,7 @@ TEST(IniText, RealFiles_ChangedInOneValue_DifferInOneLine) {
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no device files in " << folder;
   std::size_t files = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    const std::string extension = lower(entry.path().extension().string());
+    const std::string extension = ascii::lower(entry.path().extension().string());
     if (extension != ".eds" && extension != ".dcf" && extension != ".cpj") continue;
     const std::string before = test::read_text(entry.path()).value_or("");
     IniText text(before);

@@ -106,7 +106,7 @@ TEST(Rj71ErrorsEnd, ReceiveOverflow_IsReported_WhileTheModuleSendsNothing) {
   other.connect(partner);
   module->power_on(timeline.now());
   const auto run = [&](can::Duration duration) { timeline.run_until(timeline.now() + duration); };
-  const auto g = [&](module::BufferAddress address) { return module->read_word(address, timeline.now()); };
+  const auto g = [&](module::BufferAddress address) { return module->program_read(address, timeline.now()); };
   run(2s);
   other.send(can::data_frame(0x000, Bytes{0x01, 0x05}));
   run(10ms);

@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <future>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -10,8 +9,6 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include "canopus/serve/worker.hpp"
 
 namespace canopus::web::audit_test {
 namespace {
@@ -106,46 +103,6 @@ TEST_F(WebAuditTest, WhatCannotBeWritten_IsCounted_AndSaid) {
   }
   EXPECT_EQ(content(), "one\ntw\n{\"lost\":2}\nfour\n");
   ::signal(SIGXFSZ, before);
-}
-
-TEST(serve::Worker, DoesOneAfterTheOther_AndFinishes) {
-  std::vector<int> done;
-  {
-    serve::Worker worker(100, true, 10s);
-    for (int i = 0; i < 50; ++i) EXPECT_TRUE(worker.add([&done, i] { done.push_back(i); }));
-  }
-  ASSERT_EQ(done.size(), 50U);
-  EXPECT_TRUE(std::ranges::is_sorted(done));
-}
-
-TEST(serve::Worker, TakesSoMany_AndDropsThemAtItsEnd) {
-  std::promise<void> go_on, began;
-  std::thread other;
-  int done = 0;
-  {
-    serve::Worker worker(2, false, 10s);
-    EXPECT_TRUE(worker.add([&] {
-      began.set_value();
-      go_on.get_future().wait();
-    }));
-    began.get_future().wait();
-    EXPECT_TRUE(worker.add([&] { ++done; }));
-    EXPECT_TRUE(worker.add([&] { ++done; }));
-    EXPECT_FALSE(worker.add([&] { ++done; }));
-    other = std::thread([&] { go_on.set_value(); });
-    // May have begun with the others before it hears of its end.
-  }
-  other.join();
-  EXPECT_LE(done, 2);
-}
-
-TEST(serve::Worker, IsLeftAlone_WhenItHangs) {
-  auto go_on = std::make_shared<std::promise<void>>();
-  auto waits = go_on->get_future().share();
-  {
-    EXPECT_TRUE(serve::Worker(10, true, 10ms).add([waits] { waits.wait(); }));
-  }
-  go_on->set_value();
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "canopus/can/bus.hpp"
 #include "canopus/can/timeline.hpp"
 #include "canopus/plant/file/fault_text.hpp"
 

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "canopus/module/interface/communication_module.hpp"
 #include "canopus/plc/rack/rack.hpp"
 #include "canopus/web/commands/commands.hpp"
 

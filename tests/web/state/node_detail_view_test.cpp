@@ -209,12 +209,12 @@ TEST_F(WebDetails, ModuleStatus_SaysTheSame) {
   const std::string answer = control.answer(R"({"request": "modules"})");
   EXPECT_EQ(DetailsJson::parse(answer)["modules"][0]["history"], look(R"({"errors": 0})")["groups"]);
   text::TextOutput out;
-  print_modules(text::parse_json(answer).value(), out);
+  cli::print_modules(text::parse_json(answer).value(), out);
   EXPECT_THAT(out.text(),
               HasSubstr("  errors now\n    G29 bit 6  buffer memory setting error: a value out of range was "
                         "written\n    G39  first value out of range was written to G27\n"));
   text::TextOutput odd;
-  print_modules(
+  cli::print_modules(
       text::parse_json(
           R"({"modules": [{"history": [7, {"lines": [3, {"t": "x"}]}, {"lines": 5}]}, {"history": 2}]})")
           .value(),
