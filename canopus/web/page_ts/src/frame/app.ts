@@ -1,0 +1,155 @@
+// What all screens share: the store, commands, the address, the description at the right edge.
+import type { TemplateResult } from "lit";
+import { Connection } from "../store/connection.js";
+import type { Command, Done } from "../store/commands.js";
+import { FaultList } from "../store/faults.js";
+import { Plots } from "../store/plots.js";
+import type { ViewWish } from "../store/protocol.js";
+import { Store } from "../store/store.js";
+import { Menu } from "./menu.js";
+import { link, parse_route, type Route } from "./route.js";
+
+export interface Screen {
+  readonly id: string;
+  readonly title: string;
+  readonly icon: string;
+  /** What the server is asked for while the screen is open. */
+  wishes?(): ViewWish[];
+  /** The address has led here, or to another thing of the screen. */
+  opened?(route: Route): void;
+  closed?(): void;
+  view(): TemplateResult;
+  /** Commands of the palette while the screen is open, and things that it can find. */
+  places?(): Place[];
+}
+
+/** Something that Ctrl+K finds. */
+export interface Place {
+  title: string;
+  detail: string;
+  href?: string;
+  run?: () => void;
+}
+
+/** What the drawer at the right edge shows of what has the focus. */
+export interface Description {
+  title: string;
+  readonly rows: [string, string | number | undefined][];
+  /** Troubles, above the facts. */
+  readonly lead?: readonly string[];
+  /** "1017:00": the server is asked what it is for. */
+  object?: string;
+  /** Below the facts. */
+  more?: () => TemplateResult;
+}
+
+export interface Said {
+  text: string;
+  mood: "" | "error" | "running";
+}
+
+export class App {
+  readonly store = new Store();
+  readonly connection = new Connection(this.store);
+  readonly plots = new Plots();
+  readonly faults = new FaultList();
+  readonly menu = new Menu(this);
+  route: Route = parse_route(location.hash);
+  screens: Screen[] = [];
+  description: Description | null = null;
+  is_hexadecimal = false;
+  /** What became of the last command, for the line below the bar. */
+  said: Said = { text: "", mood: "" };
+  private is_drawing = false;
+
+  constructor(private readonly draw: () => void) {
+    this.store.listen((event) => {
+      if (event?.event === "state" && this.store.state) this.plots.take_state(this.store.state);
+      const values = event?.event === "values" ? this.store.view("values") : null;
+      if (values) this.plots.take_values(values);
+      this.redraw();
+    });
+  }
+
+  /** At the next frame, once. */
+  redraw(): void {
+    if (this.is_drawing) return;
+    this.is_drawing = true;
+    const later = document.hidden ? (run: () => void) => setTimeout(run, 250) : requestAnimationFrame;
+    later(() => {
+      this.is_drawing = false;
+      this.draw();
+      this.connection.look_at(this.wishes());
+    });
+  }
+
+  private wishes(): ViewWish[] {
+    const meaning = this.is_described && this.description?.object ? [{ meaning: this.description.object }] : [];
+    const values = this.plots.asked_keys();
+    return [...(this.screen.wishes?.() ?? []), ...(values.length ? [{ values }] : []), ...meaning];
+  }
+
+  get screen(): Screen {
+    return this.screens.find((one) => one.id === this.route.screen) ?? this.screens.find((one) => one.id === "overview")!;
+  }
+
+  /** Another screen begins; the old one is told. */
+  follow(hash: string): void {
+    const before = this.screen;
+    this.route = parse_route(hash);
+    if (this.screen !== before) {
+      before.closed?.();
+      this.description = null;
+      this.said = { text: "", mood: "" };
+    }
+    this.screen.opened?.(this.route);
+    this.redraw();
+  }
+
+  go(screen: string, path: readonly (string | number)[] = [], query: Record<string, string | number | undefined> = {}): void {
+    location.hash = link(screen, path, query);
+  }
+
+  /** The address says what is shown, without a step of the history. */
+  keep(screen: string, path: readonly (string | number)[], query: Record<string, string | number | undefined>): void {
+    const address = link(screen, path, query);
+    if (location.hash === address) return;
+    history.replaceState(null, "", address);
+    this.route = parse_route(address);
+  }
+
+  describe(description: Description | null, opens = false): void {
+    this.description = description;
+    if (opens) this.show_description(true);
+    this.redraw();
+  }
+
+  get is_described(): boolean {
+    return document.documentElement.dataset["drawer"] === "on";
+  }
+
+  show_description(on: boolean): void {
+    document.documentElement.dataset["drawer"] = on ? "on" : "off";
+    try {
+      localStorage.setItem("canopus drawer", on ? "on" : "off");
+    } catch {
+      // The browser keeps nothing.
+    }
+    this.redraw();
+  }
+
+  say(text: string, mood: Said["mood"] = ""): void {
+    this.said = { text, mood };
+    this.redraw();
+  }
+
+  /** Runs a command and says what became of it; `fine`: codes that are no failure, `done`: the sentence then. */
+  async run(command: Command, options: { done?: string; fine?: number[]; progress?: (rows: Record<string, unknown>[]) => void } = {}): Promise<Done & { failed: boolean }> {
+    this.say(`${command.command} …`, "running");
+    const done = await this.connection.commands.run(command, options.progress ?? (() => undefined));
+    const failed = !(options.fine ?? [0]).includes(done.code);
+    if (failed) this.say(done.message || `failed with code ${done.code}`, "error");
+    else this.say(options.done ?? done.message ?? "");
+    return { ...done, failed };
+  }
+}

@@ -1,0 +1,60 @@
+// The page of a run.
+import "@siemens/ix/dist/siemens-ix/siemens-ix-core.css";
+import "@siemens/ix/dist/siemens-ix/theme/classic-light.css";
+import "@siemens/ix/dist/siemens-ix/theme/classic-dark.css";
+import "uplot/dist/uPlot.min.css";
+import "./style.css";
+import { render } from "lit";
+import { App } from "./frame/app.js";
+import { define_components } from "./frame/components.js";
+import { Frame } from "./frame/frame.js";
+import { Palette } from "./frame/palette.js";
+import { follow_scheme } from "./frame/scheme.js";
+import { TopBar } from "./frame/top_bar.js";
+import { DataGrid } from "./parts/grid.js";
+import { make_screens } from "./screens/screens.js";
+
+define_components();
+follow_scheme();
+
+let frame: Frame;
+const app = new App(() => {
+  render(frame.view(), document.body);
+  for (const grid of document.querySelectorAll<DataGrid>("data-grid")) grid.update();
+  document.title = [app.screen.title, app.store.state?.plant, "Canopus"].filter(Boolean).join(" – ");
+});
+app.screens = make_screens(app);
+const palette = new Palette(app);
+frame = new Frame(app, new TopBar(app, () => palette.open()), palette);
+
+addEventListener("hashchange", () => app.follow(location.hash));
+addEventListener("keydown", (event) => {
+  if (event.ctrlKey && event.key.toLowerCase() === "k") {
+    event.preventDefault();
+    if (!palette.is_open) palette.open();
+  }
+  const target = event.composedPath()[0] as HTMLElement;
+  if (event.ctrlKey || event.altKey || event.metaKey || target.matches?.("input, select, textarea, [contenteditable=true]")) return;
+  if (event.key === "h") app.is_hexadecimal = !app.is_hexadecimal;
+  else if (event.key === "i") app.show_description(!app.is_described);
+  else if (event.key === "/") {
+    const filter = document.querySelector<HTMLElement>("[data-filter]");
+    if (!filter) return;
+    event.preventDefault();
+    filter.focus();
+  } else return;
+  app.redraw();
+});
+
+/** Plant time goes on between two states. */
+function tick(): void {
+  const place = document.getElementById("plant-time");
+  if (place && app.store.state) {
+    const text = `${app.store.plant_time(performance.now()).toFixed(1)} s`;
+    if (place.textContent !== text) place.textContent = text;
+  }
+  requestAnimationFrame(tick);
+}
+
+app.follow(location.hash);
+tick();

@@ -1,0 +1,13 @@
+import type { App, Screen } from "../frame/app.js";
+import { BootScreen } from "./boot/boot.js";
+import { EventsScreen } from "./events/events.js";
+import { FaultsScreen } from "./faults/faults.js";
+import { ModuleScreen } from "./module/module.js";
+import { ObjectsScreen } from "./objects/objects.js";
+import { OverviewScreen } from "./overview/overview.js";
+import { TraceScreen } from "./trace/trace.js";
+
+/** In the order of the navigation. */
+export function make_screens(app: App): Screen[] {
+  return [new OverviewScreen(app), new BootScreen(app), new ModuleScreen(app), new ObjectsScreen(app), new TraceScreen(app), new FaultsScreen(app), new EventsScreen(app)];
+}

@@ -1,0 +1,254 @@
+// The trace: the latest million frames of all buses, decoded; the meaning has the width. What a chosen line has besides stands beside the list.
+import { html, nothing, type TemplateResult } from "lit";
+import { guard } from "lit/directives/guard.js";
+import type { App, Screen } from "../../frame/app.js";
+import { head } from "../../frame/head.js";
+import { iconSnowflake, iconTraceEye } from "../../frame/icons.js";
+import { menu_button } from "../../frame/menu.js";
+import { link, type Route } from "../../frame/route.js";
+import "../../parts/filter_input.js";
+import type { Columns, DataGrid } from "../../parts/grid.js";
+import { save_file } from "../../parts/save_file.js";
+import { completions, server_filter } from "../../store/filter.js";
+import { count_text, seconds_text } from "../../store/nodes.js";
+import { bytes_text, node_text, spaced, TraceRows, type TraceLine } from "../../store/trace_rows.js";
+import { faults_of_frame } from "../faults/fault_text.js";
+import { statistics_view, type Statistics } from "./statistics.js";
+
+const formats = ["candump", "pcapng", "pcap", "asc", "trc", "csv"];
+const every = 400;  // ms between two looks at what is new
+
+export class TraceScreen implements Screen {
+  readonly id = "trace";
+  readonly title = "Trace";
+  readonly icon = iconTraceEye;
+  private rows: TraceRows;
+  private filter = "";
+  private with_delta = false;
+  private hidden: string[] = [];
+  private chosen: TraceLine | null = null;
+  private pair: { record: number; t: number; id: string; data: string; text: string }[] = [];
+  private mark: TraceLine | null = null;
+  private wanted: number | null = null;  // a time whose line is to be chosen
+  private timer: ReturnType<typeof setInterval> | null = null;
+  private statistics: Statistics | null = null;
+
+  constructor(private readonly app: App) {
+    this.rows = new TraceRows((command) => app.connection.commands.run(command), () => {
+      this.choose_wanted();
+      app.redraw();
+    });
+  }
+
+  opened(route: Route): void {
+    this.filter = (route.query["filter"] ?? "").slice(0, 1000);
+    const at = Number(route.query["at"]);
+    this.wanted = route.query["at"] && Number.isFinite(at) ? at : null;
+    if (this.wanted !== null) this.rows.forget();
+    this.rows.restart(server_filter(this.filter, this.app.store.state), this.rows.folded);
+    void this.rows.look();
+    this.timer ??= setInterval(() => {
+      if (document.hidden) return;
+      if (this.statistics) void this.count();
+      else if (!this.rows.is_frozen) void this.rows.look();
+    }, every);
+  }
+
+  closed(): void {
+    if (this.timer) clearInterval(this.timer);
+    this.timer = null;
+  }
+
+  private get grid(): DataGrid<TraceLine> | null {
+    return document.querySelector<DataGrid<TraceLine>>("#trace-grid");
+  }
+
+  private set_filter(text: string): void {
+    this.filter = text;
+    this.app.keep("trace", [], { filter: text });
+    this.rows.restart(server_filter(text, this.app.store.state), this.rows.folded);
+    this.app.redraw();
+  }
+
+  private set_folded(on: boolean): void {
+    this.rows.restart(this.rows.filter, on);
+    this.app.redraw();
+  }
+
+  private set_order(newest_first: boolean): void {
+    this.rows.set_order(newest_first);
+    this.app.redraw();
+    requestAnimationFrame(() => this.grid?.show_index(newest_first ? 0 : this.rows.count - 1));
+  }
+
+  private freeze(on: boolean): void {
+    this.rows.freeze(on);
+    if (!on) this.grid?.show_index(this.rows.newest_first ? 0 : this.rows.count - 1);
+    this.app.redraw();
+  }
+
+  /** The line that is nearest to the time of the address: lines go on at most 256 at a time, so the place is found by halves. */
+  private choose_wanted(): void {
+    if (this.wanted === null || this.rows.count === 0 || this.rows.progress !== null) return;
+    const wanted = this.wanted;
+    this.wanted = null;
+    void this.find_time(wanted);
+  }
+
+  private async find_time(wanted: number): Promise<void> {
+    this.rows.freeze(true);
+    let [low, high] = [this.rows.first, this.rows.end];
+    for (let i = 0; i < 24 && high - low > 200; ++i) {
+      const middle = Math.floor((low + high) / 2);
+      const done = await this.app.connection.commands.run({ command: "trace", filter: this.rows.filter, fold: this.rows.folded, from: middle, count: 1 });
+      const t = (done.rows[0] as { rows?: { t: number }[] } | undefined)?.rows?.[0]?.t;
+      if (t === undefined) break;
+      if (t < wanted) low = middle;
+      else high = middle;
+    }
+    const done = await this.app.connection.commands.run({ command: "trace", filter: this.rows.filter, fold: this.rows.folded, from: Math.max(this.rows.first, low - 10), count: 250 });
+    const found = (done.rows[0] as { rows?: TraceLine[] } | undefined)?.rows ?? [];
+    const nearest = found.reduce<TraceLine | null>((best, row) => (best === null || Math.abs(row.t - wanted) < Math.abs(best.t - wanted) ? row : best), null);
+    if (!nearest) return;
+    this.grid?.show_index(this.rows.index_of(nearest.n), "middle");
+    this.choose(nearest);
+  }
+
+  private choose(row: TraceLine): void {
+    if (this.chosen?.n === row.n) return;
+    this.chosen = row;
+    this.pair = [];
+    const { mark } = this;
+    this.app.describe({
+      title: row.what,
+      lead: row.trouble ? [row.text] : [],
+      rows: [["Time", `${row.t.toFixed(6)} s`], ["Since the mark", mark && mark !== row ? seconds_text(Math.abs(row.t - mark.t)) : undefined], ["Bus", row.bus], ["CAN-ID", `${row.id}H`], ["Node", node_text(row)], ["Service", row.service],
+        ["Object", row.object], ["Meaning", row.text], ["Data", row.frames === undefined ? bytes_text(row) : undefined], ["DLC", row.dlc], ["Duration", row.duration === undefined ? undefined : seconds_text(row.duration)]],
+      ...(row.object ? { object: row.object.includes(":") ? row.object : `${row.object}:00` } : {}),
+      more: () => this.more(row),
+    }, true);
+    if (row.service === "sdo") void this.load_pair(row);
+  }
+
+  private async load_pair(row: TraceLine): Promise<void> {
+    const done = await this.app.connection.commands.run({ command: "trace", frames: row.record });
+    if (this.chosen?.n !== row.n || done.code !== 0) return;
+    this.pair = (done.rows[0] as { rows: TraceScreen["pair"] } | undefined)?.rows ?? [];
+    ++this.rows.version;
+    this.grid?.grid?.redrawRows();
+    this.app.redraw();
+  }
+
+  private more(row: TraceLine): TemplateResult {
+    return html`${this.pair.length ? html`<h3>Frames of this transfer</h3><table class="rows"><tbody>${this.pair.map((one) => html`<tr><td>${one.t.toFixed(6)}</td><td>${one.id}H</td><td class="mono">${spaced(one.data)}</td></tr><tr><td colspan="3" class="faint">${one.text}</td></tr>`)}</tbody></table>` : nothing}
+      <h3>Go to</h3><p class="buttons">
+        <a href=${link("trace", [], { filter: `id=${row.id}` })}>Only ${row.id}H</a>
+        ${row.node ? html`<a href=${link("trace", [], { filter: `node=${row.node}` })}>Only node ${row.node}</a><a href=${link("objects", [row.bus, row.node], row.object ? { find: row.object } : {})}>Objects</a>` : nothing}
+        <a href=${link("bus", [row.bus], { id: row.id })}>Bits of ${row.id}H</a>
+        <button type="button" class="quiet" @click=${() => { this.mark = row; this.app.say(`mark set at ${row.t.toFixed(6)} s: choose another line to see the time between them`); }}>Set mark</button></p>
+      ${this.can_fault(row) ? html`<h3>What if</h3><p class="buttons">${faults_of_frame.map(([name, text]) => html`<button type="button" class="quiet" @click=${() => this.fault(row, text)}>${name}</button>`)}</p>` : nothing}`;
+  }
+
+  private can_fault(row: TraceLine): boolean {
+    return this.app.store.may_operate && this.app.faults.buses.some((bus) => bus.bus === row.bus);
+  }
+
+  private fault(row: TraceLine, text: (id: string) => string): void {
+    this.app.faults.add(row.bus, text(row.id));
+    this.app.go("faults", [row.bus]);
+  }
+
+  private open_menu(row: TraceLine, x: number, y: number): void {
+    if (!this.can_fault(row)) return;
+    this.app.menu.open(faults_of_frame.map(([title, text]) => ({ title, run: () => this.fault(row, text) })), x, y, `What if ${row.id}H`);
+  }
+
+  private columns(): Columns<TraceLine> {
+    const many = (this.app.store.state?.buses.length ?? 0) > 1;
+    const all: Columns<TraceLine> = [
+      { headerName: "Time, s", colId: "time", width: 116, cellClass: "figure", valueGetter: (p) => p.data?.t.toFixed(6) ?? "" },
+      { headerName: "Δ, ms", colId: "delta", width: 84, cellClass: "figure", hide: !this.with_delta, valueGetter: (p) => (p.data?.delta == null ? "" : (1000 * p.data.delta).toFixed(3)) },
+      { headerName: "Bus", field: "bus", width: 80, hide: !many },
+      { headerName: "CAN-ID", field: "id", width: 76, cellClass: "figure" },
+      { headerName: "Node", colId: "node", width: 132, valueGetter: (p) => (p.data ? node_text(p.data) : "") },
+      { headerName: "Message", field: "what", width: 136 },
+      { headerName: "Meaning", field: "text", flex: 1, minWidth: 240, tooltipField: "text" },
+      { headerName: "Data", colId: "data", width: 186, cellClass: "mono", valueGetter: (p) => (p.data ? bytes_text(p.data) : "") },
+    ];
+    return all.map((one) => ({ ...one, sortable: false, hide: (one.hide ?? false) || this.hidden.includes(one.headerName ?? "") }));
+  }
+
+  private choose_columns(): void {
+    const names = ["Bus", "CAN-ID", "Node", "Message", "Data"];
+    const button = document.querySelector<HTMLElement>("[data-columns]");
+    if (!button) return;
+    this.app.menu.open_below(button, names.map((name) => ({ title: `${this.hidden.includes(name) ? "Show" : "Hide"} ${name}`, run: () => {
+      this.hidden = this.hidden.includes(name) ? this.hidden.filter((one) => one !== name) : [...this.hidden, name];
+      this.show_columns();
+    } })), "Columns");
+  }
+
+  private show_columns(): void {
+    const { grid } = this;
+    if (grid) {
+      grid.columns = this.columns();
+      grid.refresh_columns();
+    }
+    this.app.redraw();
+  }
+
+  private async count(): Promise<void> {
+    const done = await this.app.connection.commands.run({ command: "trace", statistics: true });
+    if (this.statistics && done.code === 0) this.statistics = done.rows[0] as unknown as Statistics;
+    this.app.redraw();
+  }
+
+  private async export(format: string): Promise<void> {
+    const parts: Uint8Array<ArrayBuffer>[] = [];
+    let frames = 0;
+    for (let part = 0; ; ++part) {
+      const done = await this.app.connection.commands.run({ command: "export trace", filter: this.rows.filter, format, part });
+      if (done.code !== 0) return this.app.say(done.message, "error");
+      const row = done.rows[0] as unknown as { data: string; frames: number; at: number; done: boolean };
+      parts.push(Uint8Array.from(atob(row.data), (c) => c.charCodeAt(0)));
+      frames += row.frames;
+      this.app.say(`export: ${count_text(frames, "frame")}, ${Math.floor(100 * row.at)} % of the trace`);
+      if (row.done) break;
+      await new Promise((done_waiting) => setTimeout(done_waiting, 60));
+    }
+    save_file(parts, `trace.${format === "candump" ? "log" : format}`);
+    this.app.say(`${count_text(frames, "frame")} exported`);
+  }
+
+  private about(): string {
+    const { rows } = this;
+    if (rows.problem) return "";
+    const parts = [`${count_text(rows.count, "line")} of ${count_text(rows.records, "frame")}`];
+    if (rows.progress !== null) parts.push(`${Math.floor(100 * rows.progress)} % read`);
+    if (rows.forgotten) parts.push(`${rows.forgotten} older ones forgotten`);
+    if (rows.lost) parts.push(`${rows.lost} lost`);
+    return parts.join(", ");
+  }
+
+  view(): TemplateResult {
+    const { rows, app } = this;
+    const many = (app.store.state?.buses.length ?? 0) > 1;
+    return html`${head("Trace", this.about(),
+      html`<button type="button" class="quiet bordered" aria-pressed=${this.statistics !== null} @click=${() => { this.statistics = this.statistics ? null : ({} as Statistics); if (this.statistics) void this.count(); app.redraw(); }}>Statistics</button>`,
+      menu_button(app, "Export", "Export", () => formats.map((format) => ({ title: format, run: () => void this.export(format) }))))}
+      <div class="tools">
+        <filter-input class="grows" data-filter .label=${"Filter"} .hint=${"Filter, for example node=3 service=sdo abort=06010002"} .value=${this.filter} .suggest=${(term: string) => completions(term, app.store.state, rows.objects())} .changed=${(text: string) => this.set_filter(text)}></filter-input>
+        <button type="button" class="quiet bordered" id="trace-freeze" aria-pressed=${rows.is_frozen} title="New lines are counted, and the list stays" @click=${() => this.freeze(!rows.is_frozen)}><ix-icon aria-hidden="true" name=${iconSnowflake} size="16"></ix-icon>Freeze</button>
+        <label class="inline"><input type="checkbox" .checked=${rows.newest_first} @change=${(e: Event) => this.set_order((e.target as HTMLInputElement).checked)}>Newest first</label>
+        <label class="inline"><input type="checkbox" .checked=${rows.folded} @change=${(e: Event) => this.set_folded((e.target as HTMLInputElement).checked)}>Group SDO transfers</label>
+        <label class="inline"><input type="checkbox" .checked=${this.with_delta} @change=${(e: Event) => { this.with_delta = (e.target as HTMLInputElement).checked; this.show_columns(); }}>Delta time</label>
+        <button type="button" class="quiet bordered" data-columns aria-haspopup="menu" @click=${() => this.choose_columns()}>Columns ▾</button>
+      </div>
+      ${rows.problem ? html`<p class="bad" role="alert">${rows.problem}</p>` : nothing}
+      ${this.statistics ? statistics_view(this.statistics) : guard([many], () => html`<data-grid id="trace-grid" .label=${"Trace"} .empty=${"No frame that the filter lets through"} .columns=${this.columns()} .source=${rows}
+        .row_class=${(row: TraceLine) => [row.trouble ? "row-trouble" : "", row.n === this.chosen?.n ? "row-chosen" : "", this.pair.some((one) => one.record === row.record) ? "row-pair" : ""].join(" ")}
+        .chosen=${(row: TraceLine) => this.choose(row)} .menu=${(row: TraceLine, x: number, y: number) => this.open_menu(row, x, y)}
+        @wheel=${(e: WheelEvent) => { if (!rows.is_frozen && (rows.newest_first ? e.deltaY > 0 : e.deltaY < 0)) this.freeze(true); }}></data-grid>`)}
+`;
+  }
+}
