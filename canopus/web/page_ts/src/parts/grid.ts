@@ -20,6 +20,9 @@ export type Columns<Row> = ColDef<Row>[];
 
 const block = 100;
 
+/** The head of a column of figures stands above them. */
+const with_heads = <Row>(columns: Columns<Row>): Columns<Row> => columns.map((one) => (one.cellClass === "figure" ? { ...one, headerClass: "ag-right-aligned-header" } : one));
+
 export class DataGrid<Row = unknown> extends HTMLElement {
   private api: GridApi<Row> | null = null;
   private seen_version = -1;
@@ -28,7 +31,8 @@ export class DataGrid<Row = unknown> extends HTMLElement {
   label = "";
   empty = "Nothing to show";
   row_id: ((row: Row) => string) | null = null;
-  row_class: ((row: Row) => string) | null = null;
+  /** By name of a class: which rows have it. */
+  row_classes: Record<string, (row: Row) => boolean> = {};
   source: RowSource<Row> | null = null;
   options: GridOptions<Row> = {};
   chosen: ((row: Row, event: Event | null) => void) | null = null;
@@ -65,7 +69,7 @@ export class DataGrid<Row = unknown> extends HTMLElement {
       themeCssLayer: "grid",
       rowHeight: 28,
       headerHeight: 32,
-      columnDefs: this.columns,
+      columnDefs: with_heads(this.columns),
       defaultColDef: { sortable: !source, resizable: true, suppressHeaderMenuButton: true, suppressMovable: false },
       suppressDragLeaveHidesColumns: true,
       animateRows: false,
@@ -89,7 +93,7 @@ export class DataGrid<Row = unknown> extends HTMLElement {
         this.menu(event.data, mouse.clientX, mouse.clientY);
       },
       onBodyScroll: (event) => { if (event.direction === "vertical") this.scrolled?.(true); },
-      getRowClass: (params) => (params.data && this.row_class ? this.row_class(params.data) : undefined),
+      rowClassRules: Object.fromEntries(Object.entries(this.row_classes).map(([name, has]) => [name, (params: { data: Row | undefined }) => params.data !== undefined && has(params.data)])),
     };
     if (this.row_id) {
       const row_id = this.row_id;
@@ -131,7 +135,12 @@ export class DataGrid<Row = unknown> extends HTMLElement {
   }
 
   refresh_columns(): void {
-    this.api?.setGridOption("columnDefs", this.columns);
+    this.api?.setGridOption("columnDefs", with_heads(this.columns));
+  }
+
+  /** What a row looks like depends on something beside its data, which has changed. */
+  redraw(): void {
+    this.api?.redrawRows();
   }
 }
 

@@ -57,7 +57,7 @@ export class BootScreen implements Screen {
         <svg class="waterfall" viewBox="0 0 1000 16" preserveAspectRatio="none" role="img" aria-label=${`Boot of node ${slave.node}: ${result}`}>${bars}</svg>
         <span class="result">${result}</span>${last.kind === "failed" || last.kind === "retry" ? this.retry(slave, halted) : html`<span></span>`}</div>
       ${last.kind !== "done" && reason ? html`<div class="why"><p>${reason}</p>
-        <table class="facts"><tbody>${facts_of(last).filter(([name, value]) => value !== undefined && name !== "Requests for 1000H").map(([name, value]) => html`<tr><th scope="row">${name}</th><td>${value}</td></tr>`)}</tbody></table>
+        <dl class="inline-facts">${facts_of(last).filter(([, value]) => value !== undefined).map(([name, value]) => html`<div><dt>${name}</dt><dd>${value}</dd></div>`)}</dl>
         ${remedy ? html`<p><b>What to do</b> ${remedy}</p>` : nothing}
         <p class="buttons"><a href=${link("trace", [], { filter: `node=${slave.node}`, at: last.t.toFixed(6) })}>Frames of this moment</a><a href=${link("overview", [], { node: this.app.store.nodes.find((one) => one.bus === slave.bus && one.node === slave.node)?.key })}>Node</a></p></div>` : nothing}
       ${is_open ? html`<table class="rows steps"><thead><tr><th scope="col">At</th><th scope="col">Took</th><th scope="col">Step</th><th scope="col">Details</th></tr></thead><tbody>${spans.map((span) => this.step_row(slave, span))}</tbody></table>` : nothing}</li>`;

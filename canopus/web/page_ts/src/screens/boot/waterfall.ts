@@ -62,7 +62,8 @@ const shown_value = (value: number | string | undefined): string | undefined => 
 
 /** What is known of why a step does not go on. */
 export function facts_of(step: BootStep): [string, string | undefined][] {
-  return [["Object", step.object], ["Expected", shown_value(step.expected)], ["Found", shown_value(step.received)], ["Error", step.error ? `${step.error} [CiA 302-2]` : undefined],
+  const is_compared = step.object !== undefined;
+  return [["Object", step.object], ["Expected", is_compared ? shown_value(step.expected) : undefined], ["Found", is_compared ? shown_value(step.received) : undefined], ["Error", step.error ? `${step.error} [CiA 302-2]` : undefined],
     ["SDO abort", step.abort ? `${step.abort}H` : undefined], ["Requests for 1000H", step.attempts === undefined ? undefined : String(step.attempts)]];
 }
 

@@ -18,16 +18,34 @@ export function matching_events(events: readonly EventLine[], { find, only }: Ev
   return events.filter((one) => (only === "" || (only === "trouble" ? one.mood !== "" : one.kind === "audit")) && terms.every((term) => `${one.kind} ${one.text}`.toLowerCase().includes(term)));
 }
 
+export interface EventRow extends EventLine {
+  /** How many of its kind there are, of which this is the newest. */
+  count: number;
+}
+
+/** Of those that say the same but for their numbers (a missing node is asked again and again), the newest alone, with how many there are. In the order of the newest. */
+export function collapsed(events: readonly EventLine[], is_on: boolean): EventRow[] {
+  if (!is_on) return events.map((one) => ({ ...one, count: 1 }));
+  const newest = new Map<string, EventRow>();
+  for (const one of events) {
+    const key = [one.kind, one.event.bus, one.event.node, one.text.replace(/\d+(\.\d+)?/g, "#")].join("/");
+    const count = (newest.get(key)?.count ?? 0) + 1;
+    newest.delete(key);
+    newest.set(key, { ...one, count });
+  }
+  return [...newest.values()];
+}
+
 /** Rows for the grid: the newest first, of those that match. */
 class EventRows {
   version = 0;
-  private lines: EventLine[] = [];
+  private lines: EventRow[] = [];
 
   get count(): number {
     return this.lines.length;
   }
 
-  row(index: number): EventLine | undefined {
+  row(index: number): EventRow | undefined {
     return this.lines[this.lines.length - 1 - index];
   }
 
@@ -35,7 +53,7 @@ class EventRows {
     // All are here.
   }
 
-  set(lines: EventLine[]): void {
+  set(lines: EventRow[]): void {
     this.lines = lines;
     ++this.version;
   }
@@ -49,6 +67,7 @@ export class EventsScreen implements Screen {
   private rows = new EventRows();
   private shown = "";
   private is_frozen = false;
+  private collapses = true;
 
   constructor(private readonly app: App) {}
 
@@ -70,9 +89,10 @@ export class EventsScreen implements Screen {
       more: () => (line.event.bus ? html`<p class="buttons"><a href=${link("trace", [], { at: line.t.toFixed(6) })}>Frames of this moment</a></p>` : html``) });
   }
 
-  private columns(): Columns<EventLine> {
+  private columns(): Columns<EventRow> {
     return [
       { headerName: "Time, s", colId: "time", width: 120, cellClass: "figure", valueGetter: (p) => p.data?.t.toFixed(6) ?? "" },
+      { headerName: "Times", colId: "count", width: 72, cellClass: "figure", valueGetter: (p) => (p.data && p.data.count > 1 ? `×${p.data.count}` : "") },
       { headerName: "Kind", field: "kind", width: 124 },
       { headerName: "Event", field: "text", flex: 1, minWidth: 240, tooltipField: "text" },
     ];
@@ -82,18 +102,19 @@ export class EventsScreen implements Screen {
 
   view(): TemplateResult {
     const { store } = this.app;
-    const key = `${store.event_count} ${this.filter.find} ${this.filter.only}`;
+    const key = `${store.event_count} ${this.filter.find} ${this.filter.only} ${this.collapses}`;
     if (key !== this.shown && !(this.is_frozen && this.shown)) {
       this.shown = key;
-      this.rows.set(matching_events(store.events, this.filter));
+      this.rows.set(collapsed(matching_events(store.events, this.filter), this.collapses));
     }
-    const about = this.rows.count === store.events.length ? count_text(store.events.length, "event") : `${this.rows.count} of ${count_text(store.events.length, "event")}`;
+    const about = this.rows.count === store.events.length ? count_text(store.events.length, "event") : `${count_text(this.rows.count, "line")} of ${count_text(store.events.length, "event")}`;
     return html`${head("Events", about)}
       <div class="tools">
         <input class="field grows" data-filter type="search" aria-label="Filter" placeholder="Words of an event" autocomplete="off" spellcheck="false" .value=${this.filter.find} @input=${(event: Event) => this.set({ find: (event.target as HTMLInputElement).value })}>
         <label class="inline">Show <select class="field" @change=${(event: Event) => this.set({ only: (event.target as HTMLSelectElement).value as EventFilter["only"] })}>${[["", "all"], ["trouble", "troubles"], ["people", "what people did"]].map(([value, text]) => html`<option value=${value!} ?selected=${value === this.filter.only}>${text}</option>`)}</select></label>
+        <label class="inline"><input type="checkbox" .checked=${this.collapses} @change=${(event: Event) => { this.collapses = (event.target as HTMLInputElement).checked; this.app.redraw(); }}>Repeated ones once</label>
         <button type="button" class="quiet bordered" aria-pressed=${this.is_frozen} @click=${() => { this.is_frozen = !this.is_frozen; this.app.redraw(); }}>Freeze</button>
       </div>
-      <data-grid id="events-grid" .label=${"Events"} .empty=${"No event matches"} .columns=${this.grid_columns} .source=${this.rows} .row_class=${(row: EventLine) => (row.mood === "error" ? "row-trouble" : row.mood === "warning" ? "row-warning" : "")} .chosen=${(row: EventLine) => this.choose(row)}></data-grid>`;
+      <data-grid id="events-grid" .label=${"Events"} .empty=${"No event matches"} .columns=${this.grid_columns} .source=${this.rows} .row_classes=${{ "row-trouble": (row: EventRow) => row.mood === "error", "row-warning": (row: EventRow) => row.mood === "warning" }} .chosen=${(row: EventLine) => this.choose(row)}></data-grid>`;
   }
 }

@@ -111,7 +111,7 @@ export class ModuleScreen implements Screen {
   private front(module: ModuleState): TemplateResult {
     const words = module.words;
     return html`<div class="front">
-      <ul class="leds" aria-label=${`LEDs of ${module.name}`}>${repeat(module.leds, (led) => led.name, (led) => html`<li class="led ${led.error ? "fault" : ""}" data-pattern=${module.on ? led.pattern : "off"} data-opposite=${led.opposite ? "" : nothing} title=${`${led.name}: ${led.pattern}${led.error ? ", shows an error" : ""}`}>
+      <ul class="leds" aria-label=${`LEDs of ${module.name}`}>${repeat(module.leds, (led) => led.name, (led) => html`<li class="led ${led.error ? "shows-error" : ""}" data-pattern=${module.on ? led.pattern : "off"} data-opposite=${led.opposite ? "" : nothing} title=${`${led.name}: ${led.pattern}${led.error ? ", shows an error" : ""}`}>
         <span class="lamp" aria-hidden="true"></span><span>${led.name}</span><span class="faint">${led.pattern}</span></li>`)}</ul>
       ${has_signals(module) ? html`<div class="signals">${signal_groups(module.signals_on).map(([letter, names]) => html`<p><b>${letter} on</b> ${names.length ? names.map((name) => html`<span class="signal">${name}</span>`) : html`<span class="faint">none</span>`}</p>`)}</div>` : nothing}
       ${words.length ? html`<div class="watched">${words.map((word) => html`<span><span class="faint">G${word.address}</span> ${plot_button(this.app, `words ${this.number} ${word.address}`, `${module.name} G${word.address}`, word_text(word.value, this.app.is_hexadecimal))}</span>`)}</div>` : nothing}
@@ -127,7 +127,7 @@ export class ModuleScreen implements Screen {
       { headerName: "PDO and source", colId: "source", flex: 2, minWidth: 150, valueGetter: (p) => (p.data ? source_text(p.data) : ""), tooltipValueGetter: (p) => (p.data ? source_text(p.data) : "") },
       { headerName: "Age", colId: "age", width: 88, cellClass: "figure", valueGetter: (p) => (p.data?.age === undefined ? "" : seconds_text(p.data.age)) },
       { headerName: "Program", field: "access", width: 104 },
-      { headerName: "Manual", field: "section", width: 90 },
+      { headerName: "Manual", field: "section", width: 128, tooltipField: "section" },
     ];
   }
 
@@ -170,6 +170,6 @@ export class ModuleScreen implements Screen {
         <span class="faint">${count_text(rows.count, "word")}</span>
         <label class="inline"><input type="checkbox" .checked=${app.is_hexadecimal} @change=${(event: Event) => { app.is_hexadecimal = (event.target as HTMLInputElement).checked; app.redraw(); }}>Hexadecimal</label></div>
         ${guard([this.number, module.name], () => html`<data-grid id="words-grid" .label=${"Buffer memory"} .empty=${"No word with this name or address"} .columns=${this.columns()} .source=${rows}
-          .row_class=${(row: WordRow) => (row.address === this.chosen ? "row-chosen" : "")} .chosen=${(row: WordRow) => this.choose(row, module)} .opened=${() => document.querySelector<HTMLElement>("#word-value")?.focus()}></data-grid>`)}`}`;
+          .row_classes=${{ "row-chosen": (row: WordRow) => row.address === this.chosen }} .chosen=${(row: WordRow) => this.choose(row, module)} .opened=${() => document.querySelector<HTMLElement>("#word-value")?.focus()}></data-grid>`)}`}`;
   }
 }

@@ -202,6 +202,6 @@ export class ObjectsScreen implements Screen {
         <label class="inline"><input type="checkbox" .checked=${app.is_hexadecimal} @change=${(event: Event) => { app.is_hexadecimal = (event.target as HTMLInputElement).checked; app.redraw(); }}>Hexadecimal</label>
       </div>
       ${node && node.place >= 0 ? guard([node.key], () => html`<data-grid id="objects-grid" .label=${"Objects"} .empty=${"No object with this name or index"} .columns=${this.columns()} .source=${rows}
-        .row_class=${(row: ObjectRow) => (row.object === this.chosen ? "row-chosen" : "")} .chosen=${(row: ObjectRow) => this.choose(row)} .opened=${() => document.querySelector<HTMLElement>("#object-value")?.focus()}></data-grid>`) : this.other()}`;
+        .row_classes=${{ "row-chosen": (row: ObjectRow) => row.object === this.chosen }} .chosen=${(row: ObjectRow) => this.choose(row)} .opened=${() => document.querySelector<HTMLElement>("#object-value")?.focus()}></data-grid>`) : this.other()}`;
   }
 }

@@ -134,8 +134,7 @@ export class TraceScreen implements Screen {
     const done = await this.app.connection.commands.run({ command: "trace", frames: row.record });
     if (this.chosen?.n !== row.n || done.code !== 0) return;
     this.pair = (done.rows[0] as { rows: TraceScreen["pair"] } | undefined)?.rows ?? [];
-    ++this.rows.version;
-    this.grid?.grid?.redrawRows();
+    this.grid?.redraw();
     this.app.redraw();
   }
 
@@ -246,7 +245,7 @@ export class TraceScreen implements Screen {
       </div>
       ${rows.problem ? html`<p class="bad" role="alert">${rows.problem}</p>` : nothing}
       ${this.statistics ? statistics_view(this.statistics) : guard([many], () => html`<data-grid id="trace-grid" .label=${"Trace"} .empty=${"No frame that the filter lets through"} .columns=${this.columns()} .source=${rows}
-        .row_class=${(row: TraceLine) => [row.trouble ? "row-trouble" : "", row.n === this.chosen?.n ? "row-chosen" : "", this.pair.some((one) => one.record === row.record) ? "row-pair" : ""].join(" ")}
+        .row_classes=${{ "row-trouble": (row: TraceLine) => row.trouble === true, "row-chosen": (row: TraceLine) => row.n === this.chosen?.n, "row-pair": (row: TraceLine) => this.pair.some((one) => one.record === row.record) }}
         .chosen=${(row: TraceLine) => this.choose(row)} .menu=${(row: TraceLine, x: number, y: number) => this.open_menu(row, x, y)}
         @wheel=${(e: WheelEvent) => { if (!rows.is_frozen && (rows.newest_first ? e.deltaY > 0 : e.deltaY < 0)) this.freeze(true); }}></data-grid>`)}
 `;
