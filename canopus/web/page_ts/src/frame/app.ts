@@ -4,7 +4,8 @@ import { Connection } from "../store/connection.js";
 import type { Command, Done } from "../store/commands.js";
 import { FaultList } from "../store/faults.js";
 import { Plots } from "../store/plots.js";
-import type { ViewWish } from "../store/protocol.js";
+import { Project } from "../store/project.js";
+import type { RunEvent, ViewWish } from "../store/protocol.js";
 import { Store } from "../store/store.js";
 import { Menu } from "./menu.js";
 import { link, parse_route, type Route } from "./route.js";
@@ -53,6 +54,7 @@ export class App {
   readonly connection = new Connection(this.store);
   readonly plots = new Plots();
   readonly faults = new FaultList();
+  private known_projects: Project[] | null = null;
   readonly menu = new Menu(this);
   route: Route = parse_route(location.hash);
   screens: Screen[] = [];
@@ -67,6 +69,7 @@ export class App {
       if (event?.event === "state" && this.store.state) this.plots.take_state(this.store.state);
       const values = event?.event === "values" ? this.store.view("values") : null;
       if (values) this.plots.take_values(values);
+      if (event?.event === "audit") for (const one of this.known_projects ?? []) one.done_by_somebody(String((event as RunEvent)["do"]));
       this.redraw();
     });
   }
@@ -87,6 +90,31 @@ export class App {
     const meaning = this.is_described && this.description?.object ? [{ meaning: this.description.object }] : [];
     const values = this.plots.asked_keys();
     return [...(this.screen.wishes?.() ?? []), ...(values.length ? [{ values }] : []), ...meaning];
+  }
+
+  /** Of the buses that have one; read when they are first asked for. */
+  get projects(): Project[] {
+    const { hello } = this.store;
+    if (!hello) return [];
+    if (this.known_projects) return this.known_projects;
+    this.known_projects = hello.buses.filter((bus) => bus.project).map((bus) => new Project(bus, (command) => this.connection.commands.run(command), () => this.redraw()));
+    for (const one of this.known_projects) void one.load();
+    return this.known_projects;
+  }
+
+  project_of(bus: string | undefined): Project | null {
+    return this.projects.find((one) => one.bus.bus === bus) ?? this.projects[0] ?? null;
+  }
+
+  /** A command that changes the files of a project, and what they say then. */
+  async change(project: Project, command: Command, done = ""): Promise<Done & { failed: boolean }> {
+    const result = await this.run({ ...command, bus: project.bus.bus }, done ? { done } : {});
+    if (!result.failed) {
+      const items = command["items"];
+      if (command.command === "project set" && command["node"] && Array.isArray(items)) project.set_here(Number(command["node"]), items as string[]);
+      await project.load();
+    }
+    return result;
   }
 
   get screen(): Screen {
