@@ -30,6 +30,8 @@ export interface Place {
   detail: string;
   href?: string;
   run?: () => void;
+  /** It is not known whether there is something. */
+  is_guess?: boolean;
 }
 
 /** What the drawer at the right edge shows of what has the focus. */
@@ -63,9 +65,12 @@ export class App {
   /** What became of the last command, for the line below the bar. */
   said: Said = { text: "", mood: "" };
   private is_drawing = false;
+  private was_opened_by_itself = false;
+  private followed: Screen | null = null;
 
   constructor(private readonly draw: () => void) {
     this.store.listen((event) => {
+      if (event === null) this.follow_first();
       if (event?.event === "state" && this.store.state) this.plots.take_state(this.store.state);
       const values = event?.event === "values" ? this.store.view("values") : null;
       if (values) this.plots.take_values(values);
@@ -106,6 +111,14 @@ export class App {
     return this.projects.find((one) => one.bus.bus === bus) ?? this.projects[0] ?? null;
   }
 
+  /** What the faults of the simulated buses are and have hit. */
+  async load_faults(): Promise<void> {
+    if (!this.store.offers("faults")) return;
+    const done = await this.connection.commands.run({ command: "faults" });
+    if (done.code === 0) this.faults.take(done.rows[0] as never);
+    this.redraw();
+  }
+
   /** A command that changes the files of a project, and what they say then. */
   async change(project: Project, command: Command, done = ""): Promise<Done & { failed: boolean }> {
     const result = await this.run({ ...command, bus: project.bus.bus }, done ? { done } : {});
@@ -118,17 +131,30 @@ export class App {
   }
 
   get screen(): Screen {
-    return this.screens.find((one) => one.id === this.route.screen) ?? this.screens.find((one) => one.id === "overview")!;
+    // Without a screen in the address: what there is to do here.
+    const first = this.store.offers("plants") ? "start" : this.store.hello && this.store.hello.buses.length === 0 ? "settings" : "overview";
+    return this.screens.find((one) => one.id === this.route.screen) ?? this.screens.find((one) => one.id === first)!;
+  }
+
+  /** The greeting of the server may lead to another first screen. */
+  private follow_first(): void {
+    if (this.screens.length === 0 || this.screen === this.followed) return;
+    this.followed?.closed?.();
+    this.followed = this.screen;
+    this.screen.opened?.(this.route);
   }
 
   /** Another screen begins; the old one is told. */
   follow(hash: string): void {
-    const before = this.screen;
+    const before = this.followed;
     this.route = parse_route(hash);
+    this.followed = this.screen;
     if (this.screen !== before) {
-      before.closed?.();
+      before?.closed?.();
       this.description = null;
       this.said = { text: "", mood: "" };
+      if (this.was_opened_by_itself) document.documentElement.dataset["drawer"] = "off";
+      this.was_opened_by_itself = false;
     }
     this.screen.opened?.(this.route);
     this.redraw();
@@ -148,7 +174,11 @@ export class App {
 
   describe(description: Description | null, opens = false): void {
     this.description = description;
-    if (opens) this.show_description(true);
+    if (opens && !this.is_described) {
+      // It goes again with the screen; what was opened by hand stays.
+      document.documentElement.dataset["drawer"] = "on";
+      this.was_opened_by_itself = true;
+    }
     this.redraw();
   }
 
@@ -157,6 +187,7 @@ export class App {
   }
 
   show_description(on: boolean): void {
+    this.was_opened_by_itself = false;
     document.documentElement.dataset["drawer"] = on ? "on" : "off";
     try {
       localStorage.setItem("canopus drawer", on ? "on" : "off");

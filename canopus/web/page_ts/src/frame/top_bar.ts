@@ -1,31 +1,10 @@
 // The bar: which plant, whether it is simulated, live or a replay, plant time and its pace, Arm, the worst trouble, who one is.
 import { html, nothing, type TemplateResult } from "lit";
-import type { Store } from "../store/store.js";
 import { worst_of } from "../store/nodes.js";
 import type { App } from "./app.js";
 import { iconLightDark, iconLock, iconLogOut, iconPause, iconPlay, iconPlayStepwise, iconSearch, iconSuccess, iconUnlock, iconError, iconWarning, iconInfo } from "./icons.js";
 import { link } from "./route.js";
-
-export interface Where {
-  text: string;
-  kind: "simulated" | "live" | "replay" | "lost";
-}
-
-/** "SIMULATED ×1", "LIVE can0", "REPLAY"; and where what is shown is old. */
-export function where_of(store: Pick<Store, "connection" | "state" | "hello" | "is_live">): Where {
-  if (store.connection === "lost") return { text: "NOT CONNECTED", kind: "lost" };
-  if (store.connection === "silent") return { text: "NO ANSWER", kind: "lost" };
-  const { state } = store;
-  if (!state) return { text: "CONNECTING", kind: "lost" };
-  const links = state.buses.filter((bus) => bus.link !== "sim").map((bus) => bus.link.replace(/^[a-z]+:/, ""));
-  const gone = state.buses.some((bus) => bus.gone) ? " GONE" : "";
-  if (store.is_live) {
-    const plc = store.hello?.buses.length === 0 ? store.hello.settings[0]?.plc.find((one) => one.startsWith("--host="))?.slice(7) : undefined;
-    return { text: `LIVE ${plc ? `PLC ${plc}` : links.join(", ")}${gone}`.trim(), kind: "live" };
-  }
-  if (links.length) return { text: `REPLAY${gone}`, kind: "replay" };
-  return { text: state.speed === 0 ? "SIMULATED PAUSED" : `SIMULATED ×${state.speed}`, kind: "simulated" };
-}
+import { where_of } from "./where.js";
 
 const speeds = [0.01, 0.1, 0.5, 1, 2, 5, 10, 20, 50, 100];
 const steps = ["1ms", "10ms", "100ms", "1s", "10s"];
@@ -84,8 +63,8 @@ export class TopBar {
     return html`<ix-application-header data-where=${where.kind} hide-bottom-border>
       <div class="bar">
         <span class="plant" title=${store.state?.plant ?? ""}>${store.state?.plant || "Canopus"}</span>
-        <span class="where" role="status" aria-label="Where">${where.text}</span>
-        <span class="time" aria-label="Plant time" id="plant-time"></span>
+        ${store.offers("plants") && where.kind !== "lost" ? nothing : html`<span class="where" role="status">${where.text}</span>`}
+        ${store.offers("plants") || store.hello?.buses.length === 0 ? nothing : html`<span class="time" title="Plant time" id="plant-time"></span>`}
         ${this.pace()}${this.arm()}${this.worst()}
         <span class="grows"></span>
         <button type="button" class="search field" @click=${this.open_palette}><ix-icon aria-hidden="true" name=${iconSearch} size="16"></ix-icon>Go to <kbd>Ctrl+K</kbd></button>

@@ -27,7 +27,7 @@ export class DataGrid<Row = unknown> extends HTMLElement {
   private api: GridApi<Row> | null = null;
   private seen_version = -1;
   private given_rows: readonly Row[] = [];
-  columns: Columns<Row> = [];
+  private given_columns: Columns<Row> = [];
   label = "";
   empty = "Nothing to show";
   row_id: ((row: Row) => string) | null = null;
@@ -35,10 +35,15 @@ export class DataGrid<Row = unknown> extends HTMLElement {
   row_classes: Record<string, (row: Row) => boolean> = {};
   source: RowSource<Row> | null = null;
   options: GridOptions<Row> = {};
-  chosen: ((row: Row, event: Event | null) => void) | null = null;
+  chosen: ((row: Row) => void) | null = null;
   opened: ((row: Row) => void) | null = null;
   menu: ((row: Row, x: number, y: number) => void) | null = null;
   scrolled: ((by_hand: boolean) => void) | null = null;
+
+  set columns(columns: Columns<Row>) {
+    this.given_columns = columns;
+    this.api?.setGridOption("columnDefs", with_heads(columns));
+  }
 
   set rows(rows: readonly Row[]) {
     if (rows === this.given_rows) return;
@@ -69,7 +74,7 @@ export class DataGrid<Row = unknown> extends HTMLElement {
       themeCssLayer: "grid",
       rowHeight: 28,
       headerHeight: 32,
-      columnDefs: with_heads(this.columns),
+      columnDefs: with_heads(this.given_columns),
       defaultColDef: { sortable: !source, resizable: true, suppressHeaderMenuButton: true, suppressMovable: false },
       suppressDragLeaveHidesColumns: true,
       animateRows: false,
@@ -78,18 +83,16 @@ export class DataGrid<Row = unknown> extends HTMLElement {
       ensureDomOrder: true,
       tooltipShowDelay: 400,
       overlayNoRowsTemplate: `<span>${this.empty.replace(/[<&]/g, "")}</span>`,
-      rowSelection: { mode: "singleRow", checkboxes: false, enableClickSelection: true },
-      onRowSelected: (event) => { if (event.node.isSelected() && event.data) this.chosen?.(event.data, event.event ?? null); },
+      onRowClicked: (event) => { if (event.data) this.choose(event.data); },
       onRowDoubleClicked: (event) => { if (event.data) this.opened?.(event.data); },
       onCellKeyDown: (event) => {
         const key = (event.event as KeyboardEvent | undefined)?.key;
-        if (key === "Enter" && event.data && !("colDef" in event && event.colDef.editable)) event.node.setSelected(true);
+        if (key === "Enter" && event.data && !("colDef" in event && event.colDef.editable)) this.choose(event.data);
       },
       onCellContextMenu: (event) => {
         const mouse = event.event as MouseEvent | null;
         if (!event.data || !this.menu || !mouse) return;
         mouse.preventDefault();
-        event.node.setSelected(true);
         this.menu(event.data, mouse.clientX, mouse.clientY);
       },
       onBodyScroll: (event) => { if (event.direction === "vertical") this.scrolled?.(true); },
@@ -134,13 +137,18 @@ export class DataGrid<Row = unknown> extends HTMLElement {
     if (this.api && index >= 0) this.api.ensureIndexVisible(index, place);
   }
 
-  refresh_columns(): void {
-    this.api?.setGridOption("columnDefs", with_heads(this.columns));
+  private choose(row: Row): void {
+    this.chosen?.(row);
+    this.redraw();
   }
 
   /** What a row looks like depends on something beside its data, which has changed. */
   redraw(): void {
-    this.api?.redrawRows();
+    for (const node of this.api?.getRenderedNodes() ?? []) {
+      const { data } = node;
+      if (!data) continue;
+      for (const line of this.querySelectorAll(`.ag-row[row-index="${node.rowIndex}"]`)) for (const [name, has] of Object.entries(this.row_classes)) line.classList.toggle(name, has(data));
+    }
   }
 }
 

@@ -46,7 +46,7 @@ export function completions(term: string, state: RunState | null, objects: reado
   return [];
 }
 
-/** Names of nodes become node-IDs, and abort codes text of the line; the rest the server understands. */
+/** Names of nodes (what they begin with) become node-IDs, and abort codes text of the line; the rest the server understands. */
 export function server_filter(text: string, state: RunState | null): string {
   return text.split(/(\s+|"[^"]*")/).map((term) => {
     const found = /^(!?)(node|abort)=(.+)$/.exec(term);
@@ -55,7 +55,7 @@ export function server_filter(text: string, state: RunState | null): string {
     if (key === "abort") return `${not}${values.replace(/^0x|h$/gi, "").toUpperCase()}`;
     const ids = values.split(",").flatMap((value) => {
       if (/^\d+$/.test(value)) return [value];
-      const named = (state?.nodes ?? []).filter((node) => node.name.toLowerCase() === value.toLowerCase()).map((node) => String(node.node));
+      const named = (state?.nodes ?? []).filter((node) => begins_with(value, node.name)).map((node) => String(node.node));
       return named.length ? named : [value];
     });
     return `${not}node=${[...new Set(ids)].join(",")}`;

@@ -86,7 +86,7 @@ export function worst_of(state: RunState, nodes: readonly ShownNode[]): { text: 
   if (gone) return { text: `bus ${gone.bus} is gone`, node: null };
   for (const mood of ["error", "warning"] as const) {
     const node = nodes.find((one) => one.mood === mood);
-    if (node) return { text: `${id_of(node)} ${label_of(node)}: ${node.troubles[0] ?? node.state}`, node };
+    if (node) return { text: `${id_of(node)} ${label_of(node)}: ${node.troubles[0] ?? `${node.state}, not started`}`, node };
   }
   return null;
 }

@@ -144,3 +144,9 @@ export function bytes_text(row: TraceRow): string {
 }
 
 export const node_text = (row: Pick<TraceRow, "node" | "name">): string => (row.node === undefined ? "" : `${row.node || "all"}${row.name ? ` ${row.name}` : ""}`);
+
+/** What a line means; of an SDO transfer that was aborted the abort code first, where it is not cut off. */
+export function meaning_text(row: Pick<TraceRow, "text" | "service">): string {
+  const found = row.service === "sdo" ? /^(.*): ([0-9A-F]{8}H .*)$/.exec(row.text) : null;
+  return found ? `${found[2]}; ${found[1]}` : row.text;
+}

@@ -4,10 +4,16 @@ const hex = (number: number, digits: number): string => `${number.toString(16).t
 const bit = (value: number, number: number): boolean => Math.floor(value / 2 ** number) % 2 === 1;
 const milliseconds = (time: number): string => (time >= 1000 && time % 1000 === 0 ? `${time / 1000} s` : `${time} ms`);
 
+/** "2nd", "11th". */
+function ordinal(number: number): string {
+  const is_teen = Math.floor(number / 10) % 10 === 1;
+  return `${number}${is_teen ? "th" : (["th", "st", "nd", "rd"][number % 10] ?? "th")}`;
+}
+
 /** Transmission type of a PDO [CiA 301 7.5.2.36, 7.5.2.38]. */
 export function transmission_words(type: number): string {
   if (type === 0) return "synchronous, at events";
-  if (type <= 240) return type === 1 ? "at every SYNC" : `at every ${type}th SYNC`;
+  if (type <= 240) return type === 1 ? "at every SYNC" : `at every ${ordinal(type)} SYNC`;
   if (type === 252) return "synchronous, on request";
   if (type === 253) return "on request";
   return type < 254 ? "reserved" : "event-driven";

@@ -6,35 +6,7 @@ import { iconLog } from "../../frame/icons.js";
 import { link, type Route } from "../../frame/route.js";
 import type { Columns } from "../../parts/grid.js";
 import { count_text } from "../../store/nodes.js";
-import type { EventLine } from "../../store/store.js";
-
-export interface EventFilter {
-  find: string;
-  only: "" | "trouble" | "people";
-}
-
-export function matching_events(events: readonly EventLine[], { find, only }: EventFilter): EventLine[] {
-  const terms = find.toLowerCase().split(/\s+/).filter(Boolean);
-  return events.filter((one) => (only === "" || (only === "trouble" ? one.mood !== "" : one.kind === "audit")) && terms.every((term) => `${one.kind} ${one.text}`.toLowerCase().includes(term)));
-}
-
-export interface EventRow extends EventLine {
-  /** How many of its kind there are, of which this is the newest. */
-  count: number;
-}
-
-/** Of those that say the same but for their numbers (a missing node is asked again and again), the newest alone, with how many there are. In the order of the newest. */
-export function collapsed(events: readonly EventLine[], is_on: boolean): EventRow[] {
-  if (!is_on) return events.map((one) => ({ ...one, count: 1 }));
-  const newest = new Map<string, EventRow>();
-  for (const one of events) {
-    const key = [one.kind, one.event.bus, one.event.node, one.text.replace(/\d+(\.\d+)?/g, "#")].join("/");
-    const count = (newest.get(key)?.count ?? 0) + 1;
-    newest.delete(key);
-    newest.set(key, { ...one, count });
-  }
-  return [...newest.values()];
-}
+import { collapsed, matching_events, type EventFilter, type EventRow } from "./filter.js";
 
 /** Rows for the grid: the newest first, of those that match. */
 class EventRows {
@@ -83,7 +55,7 @@ export class EventsScreen implements Screen {
     this.app.redraw();
   }
 
-  private choose(line: EventLine): void {
+  private choose(line: EventRow): void {
     const rest = Object.entries(line.event).filter(([name, value]) => !["t", "event", "message", "reason"].includes(name) && typeof value !== "object");
     this.app.describe({ title: line.kind, lead: line.mood === "error" ? [line.text] : [], rows: [["Time", `${line.t.toFixed(6)} s`], ...(line.mood === "error" ? [] : [["Event", line.text] as [string, string]]), ...rest.map(([name, value]): [string, string] => [name, String(value)])],
       more: () => (line.event.bus ? html`<p class="buttons"><a href=${link("trace", [], { at: line.t.toFixed(6) })}>Frames of this moment</a></p>` : html``) });
@@ -115,6 +87,6 @@ export class EventsScreen implements Screen {
         <label class="inline"><input type="checkbox" .checked=${this.collapses} @change=${(event: Event) => { this.collapses = (event.target as HTMLInputElement).checked; this.app.redraw(); }}>Repeated ones once</label>
         <button type="button" class="quiet bordered" aria-pressed=${this.is_frozen} @click=${() => { this.is_frozen = !this.is_frozen; this.app.redraw(); }}>Freeze</button>
       </div>
-      <data-grid id="events-grid" .label=${"Events"} .empty=${"No event matches"} .columns=${this.grid_columns} .source=${this.rows} .row_classes=${{ "row-trouble": (row: EventRow) => row.mood === "error", "row-warning": (row: EventRow) => row.mood === "warning" }} .chosen=${(row: EventLine) => this.choose(row)}></data-grid>`;
+      <data-grid id="events-grid" .label=${"Events"} .empty=${"No event matches"} .columns=${this.grid_columns} .source=${this.rows} .row_classes=${{ "row-trouble": (row: EventRow) => row.mood === "error", "row-warning": (row: EventRow) => row.mood === "warning" }} .chosen=${(row: EventRow) => this.choose(row)}></data-grid>`;
   }
 }

@@ -22,8 +22,8 @@ export class FaultsScreen implements Screen {
 
   opened(route: Route): void {
     this.bus = route.path[0] ?? this.bus;
-    void this.load();
-    this.timer ??= setInterval(() => { if (!document.hidden) void this.load(); }, 1000);
+    void this.app.load_faults();
+    this.timer ??= setInterval(() => { if (!document.hidden) void this.app.load_faults(); }, 1000);
     const list = this.app.faults.bus(this.bus);
     if (list?.is_changed) {
       this.edited = list.edited.length - 1;
@@ -34,13 +34,6 @@ export class FaultsScreen implements Screen {
   closed(): void {
     if (this.timer) clearInterval(this.timer);
     this.timer = null;
-  }
-
-  private async load(): Promise<void> {
-    if (!this.app.store.offers("faults")) return;
-    const done = await this.app.connection.commands.run({ command: "faults" });
-    if (done.code === 0) this.app.faults.take(done.rows[0] as never);
-    this.app.redraw();
   }
 
   private add(list: BusFaults, text: string): void {

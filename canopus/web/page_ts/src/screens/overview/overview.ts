@@ -8,27 +8,12 @@ import { link, type Route } from "../../frame/route.js";
 import { plot_button } from "../../parts/plot_button.js";
 import { count_text, has_id, id_of, label_of, percent_text, type ShownNode } from "../../store/nodes.js";
 import type { BusState } from "../../store/protocol.js";
+import { card_line, sorted_troubles } from "./cards.js";
 import { describe_node } from "./node_details.js";
 import { nmt_menu } from "./nmt.js";
 
 const icons = { error: iconError, warning: iconWarning, off: iconGenericDevice, good: iconSuccess };
 const mood_words = { error: "in trouble", warning: "attention", off: "switched off", good: "in operation" };
-
-/** In trouble first, the worst in front; then by node-ID. */
-export function sorted_troubles(nodes: readonly ShownNode[]): ShownNode[] {
-  const rank = (node: ShownNode): number => (node.mood === "error" ? 0 : 1);
-  return nodes.filter((node) => node.mood === "error" || (node.mood === "warning" && node.troubles.length > 0)).sort((a, b) => rank(a) - rank(b) || a.node - b.node);
-}
-
-/** What stands on a card below the name. */
-export function card_line(node: ShownNode): string {
-  if (!node.own) return `${node.state}, external node`;
-  const rate = node.rates?.pdo_rate;
-  const words = [node.state];
-  if (node.own.last_emcy) words.push(`EMCY ${node.own.last_emcy}H`);
-  else if (rate !== undefined && rate !== null) words.push(`${Math.round(rate)} PDO/s`);
-  return words.join(" · ");
-}
 
 export class OverviewScreen implements Screen {
   readonly id = "overview";

@@ -158,6 +158,16 @@ export class PdosScreen implements Screen {
     if (this.preview) requestAnimationFrame(() => document.querySelector<HTMLElement>("#link-apply")?.focus());
   }
 
+  /** It stays for a moment, so that it can be read when the mouse button was released. */
+  private forget_refusal(): void {
+    const text = this.refused;
+    setTimeout(() => {
+      if (this.refused !== text) return;
+      this.refused = "";
+      this.app.redraw();
+    }, 2500);
+  }
+
   private signals(project: Project, side: 0 | 1): TemplateResult {
     const id = side === 0 ? this.from : this.to;
     const found = id === null ? [] : mappable(project.objects.get(id), side === 0 ? "tpdo" : "rpdo", this.finds[side] ?? "");
@@ -170,7 +180,7 @@ export class PdosScreen implements Screen {
         return html`<li><button type="button" class="signal-button" draggable=${side === 0 && !off} ?disabled=${off} aria-pressed=${side === 0 ? this.taken?.object === row.object : nothing} title=${why || row.name} data-refused=${why ? "" : nothing}
           @dragstart=${(event: DragEvent) => { if (side === 0) { this.taken = row; event.dataTransfer?.setData("text/plain", row.object); this.app.redraw(); } }}
           @dragover=${(event: DragEvent) => { if (side === 1 && this.taken) { event.preventDefault(); if (event.dataTransfer) event.dataTransfer.dropEffect = why ? "none" : "link"; this.refused = why; this.refused_at = [event.clientX, event.clientY]; this.app.redraw(); } }}
-          @dragleave=${() => { this.refused = ""; this.app.redraw(); }}
+          @dragleave=${() => this.forget_refusal()}
           @drop=${(event: DragEvent) => { event.preventDefault(); void this.try_link(project, row, [event.clientX, event.clientY]); }}
           @click=${(event: MouseEvent) => { if (side === 0) { this.taken = row; this.refused = ""; this.app.redraw(); } else void this.try_link(project, row, [event.clientX, event.clientY]); }}><b>${row.object}</b> <span>${short(row)}</span> <span class="faint">${row.type}</span></button></li>`;
       })}${found.length === 0 ? html`<li class="faint">${id !== null && project.objects.has(id) ? "Nothing that can be mapped" : "Reading …"}</li>` : nothing}</ul></div>`;
@@ -183,6 +193,9 @@ export class PdosScreen implements Screen {
     for (const id of [this.from, this.to]) if (id !== null) void project.load_objects(id);
     const dry = this.preview?.find((row) => row["event"] === "dry run");
     const changed = (this.preview ?? []).filter((row) => row["pdo"] !== undefined) as unknown as Pdo[];
+    // The sender's PDO may stay as it is; it is shown all the same.
+    const sender = project.pdos.find((pdo) => pdo.node === this.taken?.node && pdo.pdo.startsWith("T") && pdo.active && changed.some((one) => one.can_id === pdo.can_id && one.pdo !== pdo.pdo));
+    if (sender && !changed.some((one) => one.node === sender.node && one.pdo === sender.pdo)) changed.unshift(sender);
     return html`<p class="faint">${this.taken ? html`<b>${short(this.taken)}</b> of ${project.label(this.taken.node)}: drop it on a signal of the consumer, or choose one there.` : "Drag a signal of the producer onto one of the consumer, or choose both. CAN-ID and both mappings are computed."}</p>
       ${this.preview ? html`<section class="panel" aria-label="This will change"><h2>This will change</h2><table class="rows"><tbody>${changed.map((pdo) => html`<tr><th scope="row">${project.label(pdo.node)}</th><td>${pdo.pdo}</td><td>${can_id_text(pdo.can_id)}</td><td>${sent_text(pdo)}</td><td>${mapped_text(pdo)}</td></tr>`)}</tbody></table>
         ${dry ? html`<p>Load ${percent_text(Number(dry["load"]))} by timers and SYNC (now ${percent_text(Number(dry["load_before"]))}), ${percent_text(Number(dry["load_at_most"]))} at most (now ${percent_text(Number(dry["load_at_most_before"]))})</p>` : nothing}

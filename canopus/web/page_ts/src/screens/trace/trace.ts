@@ -11,7 +11,7 @@ import type { Columns, DataGrid } from "../../parts/grid.js";
 import { save_file } from "../../parts/save_file.js";
 import { completions, server_filter } from "../../store/filter.js";
 import { count_text, seconds_text } from "../../store/nodes.js";
-import { bytes_text, node_text, spaced, TraceRows, type TraceLine } from "../../store/trace_rows.js";
+import { bytes_text, meaning_text, node_text, spaced, TraceRows, type TraceLine } from "../../store/trace_rows.js";
 import { faults_of_frame } from "../faults/fault_text.js";
 import { statistics_view, type Statistics } from "./statistics.js";
 
@@ -47,6 +47,7 @@ export class TraceScreen implements Screen {
     if (this.wanted !== null) this.rows.forget();
     this.rows.restart(server_filter(this.filter, this.app.store.state), this.rows.folded);
     void this.rows.look();
+    if (!this.app.faults.is_known) void this.app.load_faults();
     this.timer ??= setInterval(() => {
       if (document.hidden) return;
       if (this.statistics) void this.count();
@@ -149,6 +150,7 @@ export class TraceScreen implements Screen {
   }
 
   private can_fault(row: TraceLine): boolean {
+    if (!this.app.faults.is_known) void this.app.load_faults();
     return this.app.store.may_operate && this.app.faults.buses.some((bus) => bus.bus === row.bus);
   }
 
@@ -171,8 +173,8 @@ export class TraceScreen implements Screen {
       { headerName: "CAN-ID", field: "id", width: 76, cellClass: "figure" },
       { headerName: "Node", colId: "node", width: 132, valueGetter: (p) => (p.data ? node_text(p.data) : "") },
       { headerName: "Message", field: "what", width: 136 },
-      { headerName: "Meaning", field: "text", flex: 1, minWidth: 240, tooltipField: "text" },
-      { headerName: "Data", colId: "data", width: 186, cellClass: "mono", valueGetter: (p) => (p.data ? bytes_text(p.data) : "") },
+      { headerName: "Meaning", colId: "text", flex: 1, minWidth: 240, valueGetter: (p) => (p.data ? meaning_text(p.data) : ""), tooltipField: "text" },
+      { headerName: "Data", colId: "data", width: 186, hide: this.app.is_described && innerWidth < 1500, cellClass: "mono", valueGetter: (p) => (p.data ? bytes_text(p.data) : "") },
     ];
     return all.map((one) => ({ ...one, sortable: false, hide: (one.hide ?? false) || this.hidden.includes(one.headerName ?? "") }));
   }
@@ -183,17 +185,13 @@ export class TraceScreen implements Screen {
     if (!button) return;
     this.app.menu.open_below(button, names.map((name) => ({ title: `${this.hidden.includes(name) ? "Show" : "Hide"} ${name}`, run: () => {
       this.hidden = this.hidden.includes(name) ? this.hidden.filter((one) => one !== name) : [...this.hidden, name];
-      this.show_columns();
+      this.app.redraw();
     } })), "Columns");
   }
 
-  private show_columns(): void {
-    const { grid } = this;
-    if (grid) {
-      grid.columns = this.columns();
-      grid.refresh_columns();
-    }
-    this.app.redraw();
+  private get column_key(): string {
+    const { app } = this;
+    return [this.with_delta, this.hidden, (app.store.state?.buses.length ?? 0) > 1, app.is_described && innerWidth < 1500].join();
   }
 
   private async count(): Promise<void> {
@@ -231,7 +229,6 @@ export class TraceScreen implements Screen {
 
   view(): TemplateResult {
     const { rows, app } = this;
-    const many = (app.store.state?.buses.length ?? 0) > 1;
     return html`${head("Trace", this.about(),
       html`<button type="button" class="quiet bordered" aria-pressed=${this.statistics !== null} @click=${() => { this.statistics = this.statistics ? null : ({} as Statistics); if (this.statistics) void this.count(); app.redraw(); }}>Statistics</button>`,
       menu_button(app, "Export", "Export", () => formats.map((format) => ({ title: format, run: () => void this.export(format) }))))}
@@ -240,11 +237,11 @@ export class TraceScreen implements Screen {
         <button type="button" class="quiet bordered" id="trace-freeze" aria-pressed=${rows.is_frozen} title="New lines are counted, and the list stays" @click=${() => this.freeze(!rows.is_frozen)}><ix-icon aria-hidden="true" name=${iconSnowflake} size="16"></ix-icon>Freeze</button>
         <label class="inline"><input type="checkbox" .checked=${rows.newest_first} @change=${(e: Event) => this.set_order((e.target as HTMLInputElement).checked)}>Newest first</label>
         <label class="inline"><input type="checkbox" .checked=${rows.folded} @change=${(e: Event) => this.set_folded((e.target as HTMLInputElement).checked)}>Group SDO transfers</label>
-        <label class="inline"><input type="checkbox" .checked=${this.with_delta} @change=${(e: Event) => { this.with_delta = (e.target as HTMLInputElement).checked; this.show_columns(); }}>Delta time</label>
+        <label class="inline"><input type="checkbox" .checked=${this.with_delta} @change=${(e: Event) => { this.with_delta = (e.target as HTMLInputElement).checked; this.app.redraw(); }}>Delta time</label>
         <button type="button" class="quiet bordered" data-columns aria-haspopup="menu" @click=${() => this.choose_columns()}>Columns ▾</button>
       </div>
       ${rows.problem ? html`<p class="bad" role="alert">${rows.problem}</p>` : nothing}
-      ${this.statistics ? statistics_view(this.statistics) : guard([many], () => html`<data-grid id="trace-grid" .label=${"Trace"} .empty=${"No frame that the filter lets through"} .columns=${this.columns()} .source=${rows}
+      ${this.statistics ? statistics_view(this.statistics) : guard([this.column_key], () => html`<data-grid id="trace-grid" .label=${"Trace"} .empty=${"No frame that the filter lets through"} .columns=${this.columns()} .source=${rows}
         .row_classes=${{ "row-trouble": (row: TraceLine) => row.trouble === true, "row-chosen": (row: TraceLine) => row.n === this.chosen?.n, "row-pair": (row: TraceLine) => this.pair.some((one) => one.record === row.record) }}
         .chosen=${(row: TraceLine) => this.choose(row)} .menu=${(row: TraceLine, x: number, y: number) => this.open_menu(row, x, y)}
         @wheel=${(e: WheelEvent) => { if (!rows.is_frozen && (rows.newest_first ? e.deltaY > 0 : e.deltaY < 0)) this.freeze(true); }}></data-grid>`)}

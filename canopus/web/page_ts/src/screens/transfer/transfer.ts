@@ -34,14 +34,17 @@ export class TransferScreen implements Screen {
   private async compare(project: Project): Promise<boolean> {
     project.forget(null);
     this.is_busy = true;
-    const done = await this.app.run({ command: "project write", bus: project.bus.bus }, { fine: [0, 4], done: "" });
+    const done = await this.app.run({ command: "project write", bus: project.bus.bus }, { fine: [0, 1, 4], done: "" });
     this.is_busy = false;
     project.found(done.rows);
-    this.plan = done.failed ? null : plan_of(done.rows);
+    // 1: a node does not answer; the others may be written.
+    const is_known = !done.failed && (done.code !== 1 || done.rows.length > 0);
+    if (!is_known && !done.failed) this.app.say(done.message || "no answer", "error");
+    this.plan = is_known ? plan_of(done.rows) : null;
     const silent = [...project.states].filter(([, one]) => one.state === "no answer").map(([id]) => project.label(id));
     if (silent.length) this.app.say(`no answer from ${silent.slice(0, 3).join(", ")}${silent.length > 3 ? ` and ${silent.length - 3} more` : ""}`, "error");
     this.app.redraw();
-    return !done.failed;
+    return is_known;
   }
 
   /** Nothing is written that was not in the list. */
@@ -51,7 +54,7 @@ export class TransferScreen implements Screen {
     if (!(await this.compare(project))) return;
     if (JSON.stringify(this.plan) !== shown) return this.app.say("the devices have changed since this list was made: look at it again", "error");
     this.is_busy = true;
-    const done = await this.app.run({ command: "project write", bus: project.bus.bus, yes: true }, { fine: [0, 4, 6], done: "", progress: (rows) => { this.results = results_of(rows); this.app.redraw(); } });
+    const done = await this.app.run({ command: "project write", bus: project.bus.bus, yes: true }, { fine: [0, 1, 4, 6], done: "", progress: (rows) => { this.results = results_of(rows); this.app.redraw(); } });
     this.is_busy = false;
     this.results = results_of(done.rows);
     project.found(done.rows);
