@@ -8,6 +8,7 @@ import { render } from "lit";
 import { App } from "./frame/app.js";
 import { define_components } from "./frame/components.js";
 import { Frame } from "./frame/frame.js";
+import { show_keys } from "./frame/keys.js";
 import { Palette } from "./frame/palette.js";
 import { follow_scheme } from "./frame/scheme.js";
 import { TopBar } from "./frame/top_bar.js";
@@ -36,6 +37,7 @@ addEventListener("keydown", (event) => {
   const target = event.composedPath()[0] as HTMLElement;
   if (event.ctrlKey || event.altKey || event.metaKey || target.matches?.("input, select, textarea, [contenteditable=true]")) return;
   if (event.key === "h") app.is_hexadecimal = !app.is_hexadecimal;
+  else if (event.key === "?") show_keys(app);
   else if (event.key === "i") app.show_description(!app.is_described);
   else if (event.key === "/") {
     const filter = document.querySelector<HTMLElement>("[data-filter]");

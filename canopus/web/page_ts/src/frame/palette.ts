@@ -1,6 +1,7 @@
 // Ctrl+K: finds screens, nodes, objects by index, words, commands. Nothing found is said.
 import { html, nothing, type TemplateResult } from "lit";
 import type { App, Place } from "./app.js";
+import { show_keys } from "./keys.js";
 import { found_places, places_of } from "./places.js";
 
 export class Palette {
@@ -32,6 +33,7 @@ export class Palette {
     const { app } = this;
     const own: Place[] = [
       { title: app.is_described ? "Hide the description" : "Show the description", detail: "View", run: () => app.show_description(!app.is_described) },
+      { title: "Keys", detail: "Help, key ?", run: () => show_keys(app) },
       { title: app.is_hexadecimal ? "Show numbers in decimal" : "Show numbers in hexadecimal", detail: "View, key h", run: () => { app.is_hexadecimal = !app.is_hexadecimal; } },
     ];
     if (app.store.offers("pace") && app.store.may_operate) {

@@ -29,9 +29,6 @@ export function signal_groups(names: readonly string[]): [string, string[]][] {
   return (["X", "Y"] as const).map((letter): [string, string[]] => [letter, names.filter((name) => name.startsWith(letter))]);
 }
 
-/** Whether the module has X and Y at all: FX modules have none. */
-export const has_signals = (module: ModuleState): boolean => !/^FX|^AS/.test(module.name) && !/^(fx|as)/i.test(module.plc) ? true : module.signals_on.length > 0;
-
 export class ModuleScreen implements Screen {
   readonly id = "module";
   readonly title = "Module";
@@ -43,6 +40,8 @@ export class ModuleScreen implements Screen {
   private value = "";
   private was_hex = false;
   private confirms = false;
+  /** Modules whose X or Y have been ON: an FX or AS module has none. */
+  private with_signals = new Set<number>();
 
   constructor(private readonly app: App) {
     app.store.listen((event) => {
@@ -109,11 +108,12 @@ export class ModuleScreen implements Screen {
   }
 
   private front(module: ModuleState): TemplateResult {
+    if (module.signals_on.length) this.with_signals.add(this.number);
     const words = module.words;
     return html`<div class="front">
       <ul class="leds" aria-label=${`LEDs of ${module.name}`}>${repeat(module.leds, (led) => led.name, (led) => html`<li class="led ${led.error ? "shows-error" : ""}" data-pattern=${module.on ? led.pattern : "off"} data-opposite=${led.opposite ? "" : nothing} title=${`${led.name}: ${led.pattern}${led.error ? ", shows an error" : ""}`}>
         <span class="lamp" aria-hidden="true"></span><span>${led.name}</span><span class="faint">${led.pattern}</span></li>`)}</ul>
-      ${has_signals(module) ? html`<div class="signals">${signal_groups(module.signals_on).map(([letter, names]) => html`<p><b>${letter} on</b> ${names.length ? names.map((name) => html`<span class="signal">${name}</span>`) : html`<span class="faint">none</span>`}</p>`)}</div>` : nothing}
+      ${this.with_signals.has(this.number) ? html`<div class="signals">${signal_groups(module.signals_on).map(([letter, names]) => html`<p><b>${letter} on</b> ${names.length ? names.map((name) => html`<span class="signal">${name}</span>`) : html`<span class="faint">none</span>`}</p>`)}</div>` : nothing}
       ${words.length ? html`<div class="watched">${words.map((word) => html`<span><span class="faint">G${word.address}</span> ${plot_button(this.app, `words ${this.number} ${word.address}`, `${module.name} G${word.address}`, word_text(word.value, this.app.is_hexadecimal))}</span>`)}</div>` : nothing}
     </div>`;
   }

@@ -14,7 +14,7 @@ import { transmission_words } from "../../store/value_words.js";
 import { bits_of, can_id_text, crossings_of, linked_text, mappable, mapped_text, refusal, sent_text, short } from "./pdo_words.js";
 
 type Part = "list" | "matrix" | "link";
-const parts: [Part, string][] = [["list", "List"], ["matrix", "Who sends to whom"], ["link", "Link signals"]];
+const parts: [Part, string][] = [["list", "List"], ["matrix", "Producers and consumers"], ["link", "Link signals"]];
 
 interface Edited {
   pdo: Pdo;
