@@ -183,6 +183,7 @@ test("a boot's bars end with the next step, and a long pause is a small gap", ()
   assert.equal(place(0), 0);
   assert.ok(place(1) > 0.45 && place(1000) < 0.55);
   assert.ok(Math.abs(place(1001) - 1) < 1e-9);
+  assert.equal(place(500), place(1), "a time within the pause stands at its beginning");
 });
 
 test("a failed boot step says what was expected and found, and what to do", () => {

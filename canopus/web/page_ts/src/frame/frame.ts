@@ -26,7 +26,7 @@ export class Frame {
     return html`<section class="strip" aria-label="Newest troubles">
       <ol>${shown.length === 0 ? html`<li class="faint">No trouble since the start</li>` : shown.map((one) => html`<li data-mood=${one.mood}><a href=${link_of_trouble(one)} title=${one.text}>
         <span class="time">${one.last.toFixed(3)} s</span><span class="count">${times_text(one.count)}</span><span class="text">${one.text}</span></a></li>`)}</ol>
-      <ix-icon-button size="16" variant="subtle-tertiary" icon=${this.is_strip_open ? iconChevronDown : iconChevronUp} aria-label=${this.is_strip_open ? "Show one trouble" : "Show three troubles"} aria-expanded=${this.is_strip_open}
+      <ix-icon-button size="16" variant="subtle-tertiary" icon=${this.is_strip_open ? iconChevronDown : iconChevronUp} aria-label=${this.is_strip_open ? "Show one trouble" : "Show three troubles"}
         @click=${() => { this.is_strip_open = !this.is_strip_open; this.app.redraw(); }}></ix-icon-button>
     </section>`;
   }
@@ -63,7 +63,7 @@ export class Frame {
     const counts: Record<string, number> = { overview: app.store.nodes.filter((node) => node.mood === "error").length };
     return html`<ix-application>
       ${this.bar.view()}
-      <ix-menu enable-toggle-theme=${false} aria-label="Screens">
+      <ix-menu ?start-expanded=${innerWidth >= 1600} ?pinned=${innerWidth >= 1600} aria-label="Screens">
         ${app.screens.map((one) => html`<ix-menu-item label=${one.title} icon=${one.icon} ?active=${one === screen} notifications=${counts[one.id] || nothing} tooltip-text=${one.title} data-screen=${one.id}
           @click=${() => { if (one !== screen) location.hash = link(one.id); }}></ix-menu-item>`)}
       </ix-menu>
