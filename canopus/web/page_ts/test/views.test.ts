@@ -7,6 +7,7 @@ import { fields_of_error, LoadHistory } from "../src/screens/bus/load.js";
 import { collapsed, matching_events } from "../src/screens/events/filter.js";
 import { fault_kinds, fault_words, kind_of, shown_value, values_of, with_value } from "../src/screens/faults/fault_text.js";
 import { card_line, sorted_troubles } from "../src/screens/overview/cards.js";
+import { bits_of_all, found_objects, mappable_objects, mapping_text, parse_mapped } from "../src/screens/settings/mapping.js";
 import { bits_of, refusal } from "../src/screens/pdos/pdo_words.js";
 import type { Done } from "../src/store/commands.js";
 import { fault_status, FaultList } from "../src/store/faults.js";
@@ -248,4 +249,12 @@ test("a transfer lists what will be written and leaves another device alone", ()
 test("a result says what the device has after the write", () => {
   const results = results_of([{ node: 2, object: "1017:00", name: "Heartbeat" }, { node: 2, write: "1017:00", value: 500, state: "written" }, { node: 2, write: "1800:02", value: 1, state: "refused", reason: "06090030" }]);
   assert.deepEqual(results.map((row) => [row.name, row.device, row.state]), [["Heartbeat", 500, "written"], [undefined, undefined, "refused"]]);
+});
+
+test("the mapping of a module's PDO is read and written as the program says it", () => {
+  const all = mappable_objects([{ name: "Buffer Memory Area Unsigned8", bits: 8, objects: [[0xa040, 1, "Un\\G13000 LByte"], [0xa040, 2, "Un\\G13000 HByte"]] }]);
+  assert.deepEqual(found_objects(all, "g13000 hb").map((one) => one.sub), [2]);
+  const mapped = ["A040:01:8 Un\\G13000 LByte", "A040:02:8"].map((one) => parse_mapped(one)!);
+  assert.equal(mapping_text(mapped), "A040:01:8 A040:02:8");
+  assert.equal(bits_of_all(mapped), 16);
 });

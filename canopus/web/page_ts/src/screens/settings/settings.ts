@@ -7,6 +7,7 @@ import { link, type Route } from "../../frame/route.js";
 import { save_file } from "../../parts/save_file.js";
 import type { Done } from "../../store/commands.js";
 import { count_text } from "../../store/nodes.js";
+import { bits_of_all, found_objects, mappable_objects, mapping_text, object_text, parse_mapped, type MappableObject, type MappedObject } from "./mapping.js";
 import { Settings, shown_value, type SettingsField, type SettingsRow, type SettingsWindow } from "../../store/settings.js";
 
 const tools: [string, string][] = [["transfer", "Download Configuration"], ["scan", "Network scan"], ["sdo", "SDO send / receive"], ["status", "Module status"], ["file", "Export / Import"]];
@@ -26,6 +27,10 @@ export class SettingsScreen implements Screen {
   private sdo = { node: "127", object: "1000:00", data: "0", length: "BYTE_LENGTH_2" };
   private nodes = "all";
   private confirms = "";
+  /** The PDO whose mapping is open, "tpdo/5". */
+  private mapping = "";
+  private find = "";
+  private mappable = new Map<string, MappableObject[]>();
 
   constructor(private readonly app: App) {
     app.store.listen((event) => {
@@ -39,6 +44,7 @@ export class SettingsScreen implements Screen {
     if (page !== this.page) {
       this.answer = [];
       this.confirms = "";
+      this.mapping = "";
     }
     this.page = page;
   }
@@ -105,12 +111,41 @@ export class SettingsScreen implements Screen {
       const place = `${window.word}/${row.number}`;
       return html`<tr><th scope="row">${row.number}</th>${window.name_field ? html`<td><input class="field" maxlength="256" aria-label=${`${window.name_field} of ${row.number}`} .value=${row.name ?? ""} ?disabled=${off} @change=${(event: Event) => void this.set(settings, place, window.name_field ?? "", (event.target as HTMLInputElement).value)}></td>` : nothing}
         ${window.fields.map((field) => html`<td>${this.input(settings, place, field, row.values[field.field], `${field.field} of ${window.key} ${row.number}`)}</td>`)}
-        ${window.maps_objects ? html`<td class="mapping">${row.objects.length ? row.objects.map((one) => html`<div>${one}</div>`) : html`<span class="faint">nothing</span>`}</td>` : nothing}
+        ${window.maps_objects ? html`<td class="mapping"><button type="button" class="quiet" title="Change the mapping" aria-expanded=${this.mapping === place} @click=${() => void this.open_mapping(settings, window, place)}>${row.objects.length ? count_text(row.objects.length, "object") : "nothing"} …</button></td>` : nothing}
         <td><ix-icon-button size="16" variant="subtle-tertiary" icon=${iconTrashcan} aria-label=${`Delete ${window.key} ${row.number}`} title="Delete" ?disabled=${off} @click=${() => void this.change(settings, { command: "configure delete", row: place })}></ix-icon-button></td></tr>`;
     };
     return html`<div class="tools"><label class="inline">New row: ${window.key} <input class="field number-field" inputmode="numeric" placeholder=${`1 to ${window.most_key}`} ?disabled=${off} .value=${this.new_row} @input=${(event: Event) => { this.new_row = (event.target as HTMLInputElement).value; }} @keydown=${(event: KeyboardEvent) => { if (event.key === "Enter") void add(); }}></label>
         <button type="button" class="quiet bordered" ?disabled=${off} @click=${() => void add()}>Add</button><span class="faint">${rows.length} of ${count_text(window.most_rows ?? 0, "row")}</span></div>
-      ${rows.length === 0 ? html`<p class="faint">No row yet</p>` : html`<div class="wide"><table class="rows"><thead><tr><th scope="col">${window.key}</th>${window.name_field ? html`<th scope="col">${window.name_field}</th>` : nothing}${window.fields.map((field) => html`<th scope="col">${field.field}</th>`)}${window.maps_objects ? html`<th scope="col">Mapping</th>` : nothing}<th scope="col"><span class="hidden">Delete</span></th></tr></thead><tbody>${rows.map(row_view)}</tbody></table></div>`}`;
+      ${rows.length === 0 ? html`<p class="faint">No row yet</p>` : html`<div class="wide"><table class="rows"><thead><tr><th scope="col">${window.key}</th>${window.name_field ? html`<th scope="col">${window.name_field}</th>` : nothing}${window.fields.map((field) => html`<th scope="col">${field.field}</th>`)}${window.maps_objects ? html`<th scope="col">Mapping</th>` : nothing}<th scope="col"><span class="hidden">Delete</span></th></tr></thead><tbody>${rows.map(row_view)}</tbody></table></div>`}
+      ${rows.filter((row) => this.mapping === `${window.word}/${row.number}`).map((row) => this.mapping_part(settings, window, row))}`;
+  }
+
+  private async open_mapping(settings: Settings, window: SettingsWindow, place: string): Promise<void> {
+    this.mapping = this.mapping === place ? "" : place;
+    this.find = "";
+    this.app.redraw();
+    if (this.mappable.has(window.word)) return;
+    const done = await this.app.connection.commands.run({ command: "configure objects", settings: settings.one.file, window: window.word });
+    this.mappable.set(window.word, mappable_objects(done.rows));
+    this.app.redraw();
+  }
+
+  private mapping_part(settings: Settings, window: SettingsWindow, row: SettingsRow): TemplateResult {
+    const place = `${window.word}/${row.number}`;
+    const off = !this.app.store.may_configure;
+    const all = this.mappable.get(window.word) ?? [];
+    const mapped = row.objects.map(parse_mapped).filter((one) => one !== null);
+    const found = found_objects(all, this.find);
+    const put = (objects: readonly MappedObject[]): void => void this.set(settings, place, "map", mapping_text(objects));
+    const name_of = (one: MappedObject): string => all.find((other) => other.index === one.index && other.sub === one.sub && other.bits === one.bits)?.name ?? "";
+    const used = bits_of_all(mapped);
+    return html`<section class="panel" aria-label=${`Mapping of PDO ${row.number}`}><div class="tools"><h2>Mapping of PDO ${row.number}</h2><span class=${used > 64 ? "bad" : "faint"}>${used} of 64 bits</span><span class="grows"></span><button type="button" class="quiet bordered" @click=${() => { this.mapping = ""; this.app.redraw(); }}>Close</button></div>
+      <div class="halves"><div><h3>Mapped</h3><ol class="picks">${mapped.map((one, i) => html`<li><span><b>${object_text(one)}</b> ${name_of(one)} <span class="faint">${one.bits} bits</span></span><span>
+          <button type="button" class="quiet" title=${`Move ${object_text(one)} up`} ?disabled=${off || i === 0} @click=${() => put([...mapped.slice(0, i - 1), one, mapped[i - 1]!, ...mapped.slice(i + 1)])}>↑</button>
+          <button type="button" class="quiet" aria-label=${`Remove ${object_text(one)}`} ?disabled=${off} @click=${() => put(mapped.filter((_, k) => k !== i))}>Remove</button></span></li>`)}${mapped.length === 0 ? html`<li class="faint">Nothing is mapped</li>` : nothing}</ol></div>
+        <div><h3>Can be mapped <span class="faint">${found.length}</span></h3><input class="field full" type="search" aria-label="Search objects that can be mapped" placeholder="Description, object name or index; as G13000" .value=${this.find} @input=${(event: Event) => { this.find = (event.target as HTMLInputElement).value; this.app.redraw(); }}>
+          <ul class="picks">${found.slice(0, 100).map((one) => html`<li><span><b>${object_text(one)}</b> ${one.name} <span class="faint">${one.type}</span></span><button type="button" class="quiet" aria-label=${`Add ${object_text(one)}`} ?disabled=${off || used + one.bits > 64} @click=${() => put([...mapped, one])}>Add</button></li>`)}
+            ${found.length > 100 ? html`<li class="faint">${found.length - 100} more: search for one of them</li>` : nothing}${found.length === 0 ? html`<li class="faint">${all.length ? "Nothing found" : "Reading …"}</li>` : nothing}</ul></div></div></section>`;
   }
 
   private async compare(settings: Settings): Promise<void> {
