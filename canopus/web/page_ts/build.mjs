@@ -3,7 +3,7 @@ import { cp, mkdir, readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
 import * as esbuild from "esbuild";
-import { licences_of } from "./licences.mjs";
+import { licence_list, licence_text, packages_of } from "./licences.mjs";
 import { serve } from "./serve.mjs";
 
 const here = path.dirname(fileURLToPath(import.meta.url));
@@ -18,7 +18,9 @@ const beside = {
     build.onEnd(async (result) => {
       if (result.errors.length) return;
       for (const name of ["index.html", "icon.svg"]) await cp(path.join(here, name), path.join(folder, name));
-      await writeFile(path.join(folder, "licences.txt"), await licences_of(Object.keys(result.metafile.inputs), here));
+      const packages = await packages_of(Object.keys(result.metafile.inputs), here);
+      await writeFile(path.join(folder, "licences.txt"), licence_text(packages));
+      await writeFile(path.join(folder, "packages.json"), licence_list(packages));
       if (is_watching) console.log("built", new Date().toTimeString().slice(0, 8));
     });
   },
