@@ -14,7 +14,7 @@ import { fault_status, FaultList } from "../src/store/faults.js";
 import { completions, server_filter } from "../src/store/filter.js";
 import { nodes_of } from "../src/store/nodes.js";
 import { Plots, most_plots } from "../src/store/plots.js";
-import { plan_of, results_of, type ProjectObject } from "../src/store/project.js";
+import { plan_of, Project, results_of, type ProjectObject } from "../src/store/project.js";
 import type { RunState, TrafficView, TraceRow } from "../src/store/protocol.js";
 import { Store } from "../src/store/store.js";
 import { meaning_text, TraceRows } from "../src/store/trace_rows.js";
@@ -257,4 +257,15 @@ test("the mapping of a module's PDO is read and written as the program says it",
   const mapped = ["A040:01:8 Un\\G13000 LByte", "A040:02:8"].map((one) => parse_mapped(one)!);
   assert.equal(mapping_text(mapped), "A040:01:8 A040:02:8");
   assert.equal(bits_of_all(mapped), 16);
+});
+
+test("a project that many events say has changed is read twice at most", async () => {
+  let asked = 0;
+  const bus = { bus: "line1", project: "net", joins: true, bit_rate: 0, live: false, device_files: [] };
+  const project = new Project(bus, async () => { ++asked; await settled(); return { code: 0, rows: [], message: "", command: "", t: 0 }; }, () => undefined);
+  await project.load();
+  assert.equal(asked, 3);
+  for (let i = 0; i < 50; ++i) project.done_by_somebody("canopus project set -- net 3 1017=5");
+  await project.load();
+  assert.equal(asked, 9);
 });

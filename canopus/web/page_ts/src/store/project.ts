@@ -1,5 +1,6 @@
 // A project of a bus as the program's own commands show and change it (docs/project.md), and what its devices were found to have.
 import type { Command, Done } from "./commands.js";
+import { Once } from "./once.js";
 import type { BusOfCommands } from "./protocol.js";
 
 export interface ProjectNode {
@@ -105,6 +106,7 @@ export class Project {
   is_loaded = false;
   problem = "";
   private loading = new Set<number>();
+  private reading = new Once(() => this.read());
 
   constructor(readonly bus: BusOfCommands, private readonly ask: (command: Command) => Promise<Done>, private readonly changed: () => void) {}
 
@@ -123,7 +125,12 @@ export class Project {
     return done.rows;
   }
 
-  async load(): Promise<void> {
+  /** Reads the files anew. */
+  load(): Promise<void> {
+    return this.reading.run();
+  }
+
+  private async read(): Promise<void> {
     this.problem = "";
     const [shown, pdos, findings] = await Promise.all([this.look({ command: "project show" }), this.look({ command: "project pdo list", all: true }), this.look({ command: "project check" })]);
     this.network = (shown.find((row) => row["network"] !== undefined) as unknown as ProjectNetwork | undefined) ?? null;

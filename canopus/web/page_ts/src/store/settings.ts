@@ -1,5 +1,6 @@
 // The settings of a module as `canopus configure` shows and changes them (docs/configure.md).
 import type { Command, Done } from "./commands.js";
+import { Once } from "./once.js";
 
 export interface SettingsField {
   field: string;
@@ -72,6 +73,7 @@ export class Settings {
   differs = new Map<string, unknown>();
   unwritten = new Set<string>();
   problem = "";
+  private reading = new Once(() => this.read());
 
   constructor(readonly one: SettingsOfModule, private readonly ask: (command: Command) => Promise<Done>, private readonly changed: () => void) {}
 
@@ -89,7 +91,12 @@ export class Settings {
     return done.rows;
   }
 
-  async load(): Promise<void> {
+  /** Reads the file anew. */
+  load(): Promise<void> {
+    return this.reading.run();
+  }
+
+  private async read(): Promise<void> {
     this.problem = "";
     if (this.windows.length === 0) this.described(await this.look({ command: "configure describe" }));
     const [shown, findings] = await Promise.all([this.look({ command: "configure show" }), this.look({ command: "configure check" })]);
