@@ -70,7 +70,7 @@ export class TopBar {
         <button type="button" class="search field" @click=${this.open_palette}><ix-icon aria-hidden="true" name=${iconSearch} size="16"></ix-icon>Go to <kbd>Ctrl+K</kbd></button>
         <ix-icon-button variant="subtle-tertiary" icon=${iconInfo} aria-label=${this.app.is_described ? "Hide the description" : "Show the description"} title="Description (i)" @click=${() => this.app.show_description(!this.app.is_described)}></ix-icon-button>
         <ix-icon-button variant="subtle-tertiary" icon=${iconLightDark} aria-label=${dark ? "Light colours" : "Dark colours"} title=${dark ? "Light colours" : "Dark colours"} @click=${() => this.app.redraw()} data-scheme></ix-icon-button>
-        <span class="role" title="Role: ${store.hello?.role ?? ""}">${store.hello ? [store.hello.user, store.hello.role].filter(Boolean).join(", ") : ""}</span>
+        <span class="role" title=${store.hello?.role === "look" && !has_users ? "The printed address contains a key. With it the page has full rights; without it the page is read-only." : `Role: ${store.hello?.role ?? ""}`}>${store.hello ? [store.hello.user, store.hello.role === "look" ? "read-only" : store.hello.role].filter(Boolean).join(", ") : ""}</span>
         ${has_users ? html`<ix-icon-button variant="subtle-tertiary" icon=${iconLogOut} aria-label="Log out" title="Log out" @click=${() => void connection.log_out()}></ix-icon-button>` : nothing}
       </div>
     </ix-application-header>`;
