@@ -1,6 +1,5 @@
 #include "canopus/ascii/number.hpp"
 
-#include <bit>
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
@@ -53,14 +52,11 @@ RC_GTEST_PROP(Number, ASmallType_HasNothingBeyondItsRange, ()) {
   RC_ASSERT(parse_number<std::uint16_t>(text).has_value() == (value >= 0 && value <= 65535));
 }
 
-RC_GTEST_PROP(Number, ARealNumber_IsTheOneThatStrtodReads, (std::uint64_t pattern)) {
-  const auto value = std::bit_cast<double>(pattern);
-  RC_PRE(std::isfinite(value));
+RC_GTEST_PROP(Number, ARealNumber_IsTheOneThatStrtodReads, (std::int64_t mantissa)) {
+  const double value = std::ldexp(static_cast<double>(mantissa), *rc::gen::inRange(-900, 900));
   char text[64];
   std::snprintf(text, sizeof text, "%.*g", *rc::gen::inRange(1, 18), value);
-  const double expected = std::strtod(text, nullptr);
-  RC_PRE(std::isnormal(expected) || expected == 0);
-  RC_ASSERT(parse_number<double>(text) == expected);
+  RC_ASSERT(parse_number<double>(text) == std::strtod(text, nullptr));
 }
 
 TEST(Number, OnlyAWholeText_IsANumber) {

@@ -14,11 +14,10 @@ struct Object {
   std::uint32_t value;
 };
 
-/// Node 1 with these objects stored; supply on up to its boot-up frame.
-inline void boot_master(IntelligentScenario& s, std::initializer_list<Object> objects,
-                        Where where = Where::current()) {
+/// Node 1 with these objects stored, and G70 as it is; supply on up to its boot-up frame.
+inline void boot_master_with_its_delay(IntelligentScenario& s, std::initializer_list<Object> objects,
+                                       Where where = Where::current()) {
   s.plug_in().preset_word(27, 1);
-  if (s.is_rj71cn91()) s.plug_in().preset_word(70, 0);  // with it: rj71cn91/command_delay_test.cpp
   for (const Object& object : objects) {
     const unsigned length = object.index == 0x1017 || object.index == 0x100C ? 2
                             : object.index == 0x1029                         ? 1
@@ -28,6 +27,13 @@ inline void boot_master(IntelligentScenario& s, std::initializer_list<Object> ob
         canopen::AbortCode::none);
   }
   s.supply_on().wait_tx(0x701, {0x00}, 20s, where);
+}
+
+/// The same without a pause before each command of the RJ71CN91, which rj71cn91/command_delay_test.cpp is about.
+inline void boot_master(IntelligentScenario& s, std::initializer_list<Object> objects,
+                        Where where = Where::current()) {
+  if (s.is_rj71cn91()) s.plug_in().preset_word(70, 0);
+  boot_master_with_its_delay(s, objects, where);
 }
 
 inline const Bytes ask_1000{0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0};

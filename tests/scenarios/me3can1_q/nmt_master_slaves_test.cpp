@@ -117,10 +117,12 @@ TEST_P(NmtMasterSlaves, StartStep_EachBootedSlaveSingly_UnlessBit1OrBit3) {
     boot_master(s, {{0x1F80, 0, start_up}, {0x1F81, 2, mandatory}, {0x1F81, 3, optional}});
     s.tx(0x000, {0x82, 0x00});
     slave_2_boots(s);
-    if (start_up == 0x01) s.tx(0x000, {0x01, 0x02});  // the master is Operational only after this
+    const bool waits = start_up == 0x03 && !s.is_rj71cn91();  // 500 ms after the reset; G70 is 0 there
+    // Without bit 1 the master is Operational only after this. With it: node 3 is not there, so no Start all.
+    if (start_up != 0x09 && !waits) s.tx(0x000, {0x01, 0x02});
     s.expect_bit(25, 0, true).no_tx();
     s.advance(600ms);
-    if (start_up == 0x03) s.tx(0x000, {0x01, 0x02});  // node 3 is not there: no Start all
+    if (waits) s.tx(0x000, {0x01, 0x02});
     s.ignore_tx();
     s.rx(0x703, {0x00}).advance(2s);
     s.tx(0x603, ask_1000);

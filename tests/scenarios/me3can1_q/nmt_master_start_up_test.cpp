@@ -14,7 +14,7 @@ CANOPUS_OF_BOTH_MODULES(NmtMasterStartUp);
 TEST_P(NmtMasterStartUp, S57_SimpleStart_ResetsAll_WaitsG70_BecomesOperational_StartsAll) {
   spec("ME3-MST-009", "");
   IntelligentScenario s(GetParam());
-  boot_master(s, {{0x1F80, 0, 0x00000003}});
+  boot_master_with_its_delay(s, {{0x1F80, 0, 0x00000003}});
   s.tx(0x000, {0x82, 0x00}).no_tx();
   const can::Time reset = s.now();
   s.expect(25, 0xC100).expect(70, 500);
@@ -28,7 +28,7 @@ TEST_P(NmtMasterStartUp, S57_G70_IsTheLeastPauseBetweenResetAllAndStartAll) {
   spec("ME3-DLY-001", "RJ71-BM-022");
   for (const unsigned g70 : {0U, 2000U, 65535U}) {
     IntelligentScenario s(GetParam());
-    boot_master(s, {{0x1F80, 0, 0x00000003}, {0x1F81, 2, mandatory}});
+    boot_master_with_its_delay(s, {{0x1F80, 0, 0x00000003}, {0x1F81, 2, mandatory}});
     s.expect(70, 500);  // the default
     s.write(70, static_cast<std::uint16_t>(g70)).expect(70, static_cast<std::uint16_t>(g70));
     s.save();

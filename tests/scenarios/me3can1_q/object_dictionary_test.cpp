@@ -184,7 +184,9 @@ TEST_P(Objects, SdoClient_StoppedInTheMiddle_SendsAndTakesNothingMore) {
     s.nmt(0x02, 1);
     if (answered) s.rx(0x582, {0x00, 1, 2, 3, 4, 5, 6, 7}).no_tx();
     s.advance(10s).no_tx();
-    s.expect_x(0x17, true).expect(1000, {0x000F, 0x0F0F, 0, 0, 0});
+    s.expect_x(0x17, true).expect(1000, {0x000F, 0x0F0F});
+    // "The area will not be cleared after command execution" [RJ71CN91 App. 2].
+    s.expect(1002, s.is_rj71cn91() ? Words{0x2000, 1, 0} : Words{0, 0, 0});
     s.y(0x17, false);
     s.nmt(0x80, 1);
     s.write(1000, {0x0004, 2, 0x1000, 0});  // the channel is free again
