@@ -256,7 +256,7 @@ def as_sdo_write_of_example_1():
     equal(rack.rig.plant.value("servo", "212D:00"), 0x010203E8)
 
 
-@play("AS-FCOPM", "10.4", "10.4.1", fails="zeros in D25000 are answered with status 4 instead of 0")
+@play("AS-FCOPM", "10.4", "10.4.1")
 def as_request_area_is_cleared():
     """10.4: clear the request message mapping area to zero; status 0: no data transmission request."""
     rack = with_servo()

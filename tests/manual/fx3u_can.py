@@ -711,7 +711,7 @@ def fx3u_slave_that_is_missing_or_another_one():
     assert "000 01 03" not in block.bus.received("000")
 
 
-@play(FX3U, "5.8.6", fails="the request of 1000H is repeated 1 s after the time-out (#71), not after the request")
+@play(FX3U, "5.8.6")
 def fx3u_slave_is_asked_each_second():
     """5.8.6: the NMT master retries the request every 1 s."""
     block = master(0x01, ', "1F81:03" = 0x0D, "1F89:00" = 0')
@@ -1121,7 +1121,7 @@ def fx3u_run_stop_of_an_nmt_slave():
     equal(block.b[25] & 0x0300, 0x0100)
 
 
-@play(FX3U, "11 slave", "5.8.2", fails="the EMCY of PLC STOP is sent before the boot-up message")
+@play(FX3U, "11 slave", "5.8.2")
 def fx3u_power_up_in_stop():
     """11, 5.8.1: EMCY belongs to Pre-operational and Operational; the boot-up message comes first."""
     block = rack(node=5, plc='cpu = "stop"').ready()

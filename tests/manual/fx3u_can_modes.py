@@ -318,8 +318,8 @@ def fx3u_layer2_transmission_types():
     counts = [block.bus.received(f"10{i}").count(f"10{i} 11") for i in range(1, 6)]
     equal([counts[0], counts[1], counts[3], counts[4]], [2, 1, 1, 0])
     cycles = [frame.time for frame in block.bus.frames if str(frame) == "103 11"]
-    gaps = [b - a for a, b in zip(cycles, cycles[1:])]
-    assert len(gaps) >= 3 and max(gaps) - min(gaps) < 0.001, gaps
+    gaps = [b - a for a, b in zip(cycles[2:], cycles[3:])]  # behind those of the two exchanges
+    assert len(gaps) >= 3 and all(abs(gap - 0.1) < 0.0002 for gap in gaps), gaps
     block.bus.discard()
     block.b[1280] = 0b10000
     block.bus.expect("105 11", within=0.1)
@@ -510,7 +510,7 @@ def fx3u_layer2_configuration_while_online():
     equal([block.b[1100], bit(block.b[29], 5)], [0x0181, 0])
 
 
-@play(FX3U, "9.1", fails="DLC and RTR of a message change while it is online")
+@play(FX3U, "9.1")
 def fx3u_layer2_dlc_changes_offline_alone():
     """9.1, note: DLC and RTR are written in the configuration mode."""
     block = layer2(G1100=0xFFFF, G1101=0x5FFF, G1102=0, G1103=0, G100=0x0123, G101=0, G102=2)
@@ -545,7 +545,7 @@ def fx3u_layer2_message_42():
     block.bus.expect("777 01 02 03 04 05 06 07 08")
 
 
-@play(FX3U, "9.3.1", fails="a cycle time of K0 sends each 10 ms")
+@play(FX3U, "9.3.1")
 def fx3u_layer2_cycle_time_of_0():
     """9.3.1, parameter D: "If cycle time is set to K0, cycle time operates as 1 ms"."""
     block = layer2(G1100=0xFFFF, G1101=0x5FFF, G1102=2, G1103=0, G100=0x0123, G101=0, G102=1)
@@ -553,7 +553,9 @@ def fx3u_layer2_cycle_time_of_0():
     block.exchange()
     block.run(0.1)
     times = [frame.time for frame in block.bus.frames if frame.identifier == "123"]
-    assert times and all(abs(b - a - 0.001) < 0.0002 for a, b in zip(times, times[1:])), times
+    cyclic = [time for time in times if abs((time - times[0]) * 1000 % 1 - 0.5) > 0.4]
+    assert len(cyclic) >= 100 and all(abs(b - a - 0.001) < 0.0002 for a, b in zip(cyclic, cyclic[1:])), times
+    assert len(times) - len(cyclic) <= 1, times             # 9.3.1: the data exchange sends, too
 
 
 @play(FX3U, "9", "6.10", "6.17")
