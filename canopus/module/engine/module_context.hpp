@@ -2,13 +2,13 @@
 // What a module is made of: its state, its settings, the areas of its buffer memory, one CANopen node with its NMT
 // master, Layer 2, and the way a program asks. The classes beside it act on these parts, each for one side:
 //
-//   ModuleEngine      the module: life cycle, words, requests      module_engine.hpp
-//   CpuStateHandler           RUN, STOP and errors of the CPU              cpu_state_handler.hpp
-//   ControllerMonitor    error states and queues of the controller    controller_monitor.hpp
-//   NodeEvents        what the CANopen node reports                node_events.hpp
-//   MasterEvents      what the NMT master reports                  master_events.hpp
-//   CommandBus        what commands send                           command_bus.hpp
-//   Layer2OnlineState         on the wire and off it                       layer2_online_state.hpp
+//   ModuleEngine       the module: life cycle, words, requests            module_engine.hpp
+//   CpuStateHandler    RUN, STOP and errors of the CPU                    cpu_state_handler.hpp
+//   ControllerMonitor  error states and queues of the controller          controller_monitor.hpp
+//   NetworkEvents      what the CANopen node and the NMT master report    network_events.hpp
+//   ModuleCommandHost  what commands need of the module, and send         module_command_host.hpp
+//   Layer2OnlineState  on the wire and off it, in the Layer 2 modes       layer2_online_state.hpp
+//   ChangeLog, LEDs    what the module shows of itself                    module_indication.hpp
 
 #include <cstdint>
 #include <memory>

@@ -16,7 +16,7 @@ namespace canopus::module {
 
 ModuleEngine::ModuleEngine(const ModuleModel& model, can::Controller& controller, NonVolatileMemory& memory,
                            const Profile& profile)
-    : parts_(model, controller, memory, profile, command_bus_), registers_(model.registers, *this) {
+    : parts_(model, controller, memory, profile, command_host_), registers_(model.registers, *this) {
   parts_.port = model.request_port(*this);
   controller.set_power(false);
   controller.set_automatic_recovery(false);  // the way out of bus-off is a restart [ME3CAN1-Q 3.5.7]
@@ -96,7 +96,7 @@ void ModuleEngine::power_on(can::Time now) {
   if (parts_.state.phase != Phase::off) return;
   parts_.port->power_on(now);
   restarting_ = false;
-  (void)node_events_.take_clear_request();  // kept in RAM: only a restart carries it out
+  (void)network_events_.take_clear_request();  // kept in RAM: only a restart carries it out
   takes_files_ = true;
   begin_initialization(parts_.profile.power_on_time, now);
 }
@@ -184,7 +184,7 @@ void ModuleEngine::begin_initialization(can::Duration duration, can::Time now) {
   parts_.process_data.reset();
   parts_.status_words.reset();
   parts_.port->initialization_begins(now);
-  if (node_events_.take_clear_request()) parts_.concise_dcfs.clear();
+  if (network_events_.take_clear_request()) parts_.concise_dcfs.clear();
   parts_.state.mode = &parts_.settings.load();
   describe_node();
   parts_.lift.start();

@@ -13,15 +13,13 @@
 #include <string_view>
 #include <vector>
 
-#include "canopus/module/engine/change_log.hpp"
-#include "canopus/module/engine/command_bus.hpp"
 #include "canopus/module/engine/controller_monitor.hpp"
 #include "canopus/module/engine/cpu_state_handler.hpp"
 #include "canopus/module/engine/layer2_online_state.hpp"
-#include "canopus/module/engine/master_events.hpp"
+#include "canopus/module/engine/module_command_host.hpp"
 #include "canopus/module/engine/module_context.hpp"
-#include "canopus/module/engine/module_leds.hpp"
-#include "canopus/module/engine/node_events.hpp"
+#include "canopus/module/engine/module_indication.hpp"
+#include "canopus/module/engine/network_events.hpp"
 #include "canopus/module/engine/register_words.hpp"
 #include "canopus/module/interface/communication_module.hpp"
 
@@ -193,14 +191,13 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   void receive_other(const can::Frame& frame, can::Time now);
   void update_after_frame(can::Time now);
 
-  CommandBus command_bus_{parts_};
+  ModuleCommandHost command_host_{parts_};
   ModuleContext parts_;
   RegisterWords registers_;
   ControllerMonitor controller_side_{parts_};
   CpuStateHandler cpu_side_{parts_};
   Layer2OnlineState layer2_bus_{parts_, controller_side_};
-  NodeEvents node_events_{parts_, cpu_side_};
-  MasterEvents master_events_{parts_, controller_side_, *this};
+  NetworkEvents network_events_{parts_, cpu_side_, controller_side_, *this};
   ChangeLog change_log_{parts_};
 
   bool restarting_ = false;

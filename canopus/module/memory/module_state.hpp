@@ -1,7 +1,6 @@
 #pragma once
-// The function modes of a module (CANopen, or plain CAN with 11- or 29-bit identifiers: Layer 2), and where it is in its life,
-// as its parts see it. The engine (module_engine.hpp) and what hears its node
-// (node_events.hpp) change it; everybody else only looks.
+// The function modes of a module (CANopen, or plain CAN with 11- or 29-bit identifiers: Layer 2), and its phase. The engine
+// (module_engine.hpp) and the listener of its node (network_events.hpp) change it; all others only read it.
 
 #include <cstdint>
 #include <memory>

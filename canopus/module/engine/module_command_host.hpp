@@ -10,12 +10,12 @@ namespace canopus::module {
 struct ModuleContext;
 
 /// What the commands of the command interface need of the module, and send.
-class CommandBus final : public CommandHost {
+class ModuleCommandHost final : public CommandHost {
  public:
   /// `parts` may be under construction.
-  explicit CommandBus(ModuleContext& parts) : parts_(parts) {}
-  CommandBus(const CommandBus&) = delete;
-  CommandBus& operator=(const CommandBus&) = delete;
+  explicit ModuleCommandHost(ModuleContext& parts) : parts_(parts) {}
+  ModuleCommandHost(const ModuleCommandHost&) = delete;
+  ModuleCommandHost& operator=(const ModuleCommandHost&) = delete;
 
  private:
   // CommandHost
