@@ -7,6 +7,7 @@
 
 #include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/eds/device_file.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/initial_nodes.hpp"
 #include "canopus/plant/plant_loading.hpp"
 #include "canopus/serve/run_control.hpp"
@@ -86,7 +87,7 @@ std::shared_ptr<PlantRun> PlantRun::open(const std::string& path, const std::opt
                                           std::move(node.objects)));
   }
   for (const text::FileWarning& warning : parts->plant->warnings()) {
-    parts->printer.warning(describe(warning.place, path), warning.message, {});
+    parts->printer.on({{}, plant::Warning{describe(warning.place, path), warning.message}});
   }
   parts->runs = std::make_unique<serve::PlantRuns>(*parts->plant, serve::PlantRuns::Order::in_turn,
                                                    [due = &parts->is_report_due] { *due = true; });
