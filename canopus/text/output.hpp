@@ -118,9 +118,13 @@ void print_errors(std::vector<FileError> errors, const std::string& path, Output
 
 }  // namespace canopus::text
 
+namespace fmt {
+
 template <>
-struct fmt::formatter<canopus::text::Line> : fmt::formatter<std::string_view> {
+struct formatter<canopus::text::Line> : formatter<std::string_view> {
   auto format(const canopus::text::Line& line, format_context& context) const {
     return formatter<std::string_view>::format(line.text(), context);
   }
 };
+
+}  // namespace fmt
