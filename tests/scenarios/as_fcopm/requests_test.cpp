@@ -249,6 +249,18 @@ TEST_F(FcopmRequests, AnAreaThatIsClearedAndFilledWithinAScan_IsANewRequest) {
   EXPECT_TRUE(sent(0x603).empty());
 }
 
+TEST_F(FcopmRequests, AReqIdThatIsWrittenTwiceWithinAScan_IsOneRequest) {
+  RecordProperty("spec", "ASF-REQ-004");
+  slaves[3].objects[{0x3001, 1}] = {7, 0};
+  for (std::uint32_t i = 0;
+       const std::uint16_t word : std::vector<std::uint16_t>{0x0901, 4, 0x0103, 0x3001, 1})
+    set_d(25000 + i++, word);
+  set_d(25000, 0x0901);
+  run(2ms);
+  EXPECT_EQ(response(6), (Words{0x0901, 6, 0x4B03, 0x3001, 1, 7}));
+  EXPECT_EQ(sent(0x603).size(), 1U);
+}
+
 TEST_F(FcopmRequests, TheReqIdFirstAndTheOtherWordsInTheSameScanAreOneRequest) {
   RecordProperty("spec", "ASF-REQ-004");
   slaves[3].objects[{0x3001, 1}] = {7, 0};
