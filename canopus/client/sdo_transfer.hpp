@@ -1,5 +1,5 @@
 #pragma once
-// SDO transfers with one node, one at a time, and what became of them in words. It waits for nothing: whoever has it passes the frames
+// SDO transfers with one node, one at a time, and what became of them in words. It waits for nothing: its owner passes the frames
 // of the bus and the ticks on, and looks whether the transfer has ended.
 
 #include <cstdint>
@@ -52,7 +52,7 @@ class SdoTransfer final : private canopen::SdoClientListener {
   /// Starts a transfer. False: the bus takes no frame. The bytes of `value` stay valid until its end.
   [[nodiscard]] bool read(text::ObjectName object, can::Time now);
   [[nodiscard]] bool write(text::ObjectName object, std::span<const std::uint8_t> value, can::Time now);
-  /// Gives it up with an abort frame; nobody is called.
+  /// Ends it with an abort frame, without a call of the listener.
   void cancel();
 
   [[nodiscard]] bool is_finished() const noexcept { return is_finished_; }

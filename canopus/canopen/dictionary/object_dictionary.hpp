@@ -56,7 +56,7 @@ class WriteObserver {
   ~WriteObserver() = default;
 };
 
-/// Who is called for its objects is the business of a NodeDictionary.
+/// Which handlers are called for its objects: see NodeDictionary.
 class ObjectDictionary {
  public:
   /// All values at their defaults for this node-ID (1..127, or 255 while unconfigured).

@@ -1,5 +1,5 @@
 #pragma once
-// Who may use the page of a run, and what is kept of what they do.
+// The users of the page of a run, and what is recorded of their commands.
 
 #include <string>
 

@@ -144,7 +144,7 @@ class BusCommand : public RunningCommand,
   }
 
  private:
-  /// In the loop: whoever gets the answer may start the next command.
+  /// In the loop: the receiver of the answer may start the next command.
   void answer(int code) {
     if (std::exchange(is_over_, true)) return;
     boost::asio::post(io_, [code, self = shared_from_this()] {
