@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/client/node_id.hpp"
 
 namespace canopus::client {
@@ -65,8 +66,8 @@ text::Json NmtRequest::row() const {
 }
 
 std::string NmtRequest::refused(std::string_view reason) const {
-  return fmt::format("master {} did not take {:02X}H for {:04X}:{:02X} (request NMT): {}", master,
-                     service->request, request_nmt, object().sub, reason);
+  return fmt::format("master {} did not take {:02X}H for {} (request NMT): {}", master, service->request,
+                     canopen::object_text(request_nmt, object().sub), reason);
 }
 
 std::string NmtRequest::not_shown(can::Duration time_out) const {

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/client/node_id.hpp"
 #include "canopus/client/sdo_value.hpp"
 #include "canopus/text/nearest_word.hpp"
@@ -28,7 +29,7 @@ std::expected<SdoTarget, std::string> SdoTarget::parse(std::string_view node, co
       fmt::format("--type: \"{}\" is not a type{}", type, text::suggestion(type, type_names())));
 }
 
-std::string SdoTarget::object_text() const { return fmt::format("{:04X}:{:02X}", object.index, object.sub); }
+std::string SdoTarget::object_text() const { return canopen::object_text(object.index, object.sub); }
 
 std::expected<std::vector<std::uint8_t>, std::string> bytes_of_value(const SdoTarget& target,
                                                                      const std::string& value, bool raw) {

@@ -1,7 +1,6 @@
 #include "canopus/trace/print/node_names.hpp"
 
-#include <charconv>
-
+#include "canopus/ascii/number.hpp"
 #include "canopus/text/file_text.hpp"
 
 namespace canopus::trace {
@@ -26,11 +25,8 @@ std::string node_name_of(const eds::DeviceFile& file) {
 }
 
 std::optional<std::uint8_t> parse_node_id(std::string_view text) noexcept {
-  unsigned node = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, failure] = std::from_chars(text.data(), end, node);
-  if (failure != std::errc{} || stop != end || node == 0 || node > 127) return std::nullopt;
-  return static_cast<std::uint8_t>(node);
+  const auto node = ascii::parse_number<std::uint8_t>(text);
+  return node && *node >= 1 && *node <= 127 ? node : std::nullopt;
 }
 
 bool add_node_names(const std::string& text, Names& names, text::Output& err) {
