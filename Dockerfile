@@ -4,7 +4,8 @@
 FROM debian:12 AS build
 COPY . /src
 WORKDIR /src
-RUN tools/install-packages build && cmake --preset release -DCANOPUS_TESTS=OFF && cmake --build build --target canopus \
+RUN tools/install-packages build && tools/install-packages page && cmake --preset release -DCANOPUS_TESTS=OFF \
+    && cmake --build build --target canopus page \
     && cmake --install build --prefix /usr --component program
 
 FROM debian:12-slim

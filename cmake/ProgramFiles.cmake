@@ -2,7 +2,7 @@
 # itself; examples, documentation, and a unit for systemd. So `cmake --install` runs the program: a build for another
 # machine cannot be installed here.
 install(CODE "execute_process(COMMAND \"${CMAKE_CURRENT_SOURCE_DIR}/tools/make-program-files\" \"$<TARGET_FILE:canopus>\"
-                              \"${CMAKE_BINARY_DIR}/program-files\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT program)
+                              \"${CMAKE_BINARY_DIR}/program-files\" \"${CANOPUS_PAGE}\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT program)
 set(made ${CMAKE_BINARY_DIR}/program-files)
 install(DIRECTORY ${made}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT program)
 install(FILES ${made}/canopus.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME canopus
@@ -16,3 +16,4 @@ install(DIRECTORY examples docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT pr
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 configure_file(packaging/canopus@.service.in ${CMAKE_BINARY_DIR}/canopus@.service @ONLY)
 install(FILES ${CMAKE_BINARY_DIR}/canopus@.service DESTINATION lib/systemd/system COMPONENT program)
+install(DIRECTORY ${CANOPUS_PAGE}/ DESTINATION ${CMAKE_INSTALL_DATADIR}/canopus/page COMPONENT program OPTIONAL)

@@ -127,3 +127,20 @@ function(canopus_install_rooms)
   install(FILES ${CMAKE_CURRENT_BINARY_DIR}/canopusConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/canopusConfigVersion.cmake
           COMPONENT development DESTINATION ${package})
 endfunction()
+
+# canopus_embed(TARGET FOLDER folder PATTERNS a,b HEADER header NAMESPACE name TYPE type FUNCTION function): files of a folder as a
+# source of the target (EmbeddedFiles.cmake).
+function(canopus_embed target)
+  cmake_parse_arguments(ARG "" "FOLDER;PATTERNS;HEADER;NAMESPACE;TYPE;FUNCTION" "" ${ARGN})
+  set(folder ${CMAKE_CURRENT_SOURCE_DIR}/${ARG_FOLDER})
+  set(output ${CMAKE_CURRENT_BINARY_DIR}/${ARG_FUNCTION}.cpp)
+  set(script ${CMAKE_CURRENT_SOURCE_DIR}/cmake/EmbeddedFiles.cmake)
+  string(REPLACE "," ";" patterns "${ARG_PATTERNS}")
+  list(TRANSFORM patterns PREPEND ${folder}/)
+  file(GLOB files CONFIGURE_DEPENDS ${patterns})
+  add_custom_command(OUTPUT ${output}
+    COMMAND ${CMAKE_COMMAND} -D FOLDER=${folder} -D PATTERNS=${ARG_PATTERNS} -D HEADER=${ARG_HEADER} -D NAMESPACE=${ARG_NAMESPACE}
+            -D TYPE=${ARG_TYPE} -D FUNCTION=${ARG_FUNCTION} -D OUTPUT=${output} -P ${script}
+    DEPENDS ${files} ${script} VERBATIM)
+  target_sources(${target} PRIVATE ${output})
+endfunction()
