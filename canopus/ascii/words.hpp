@@ -47,7 +47,7 @@ template <typename IsBetween>
 
 /// Takes the first word off `text`, with the blanks before it; empty when there is none.
 template <typename IsBetween>
-[[nodiscard]] constexpr std::string_view take_word(std::string_view& text, IsBetween is_between) noexcept {
+[[nodiscard]] constexpr std::string_view next_word(std::string_view& text, IsBetween is_between) noexcept {
   std::size_t begin = 0;
   while (begin < text.size() && is_between(text[begin])) ++begin;
   std::size_t end = begin;
@@ -56,14 +56,14 @@ template <typename IsBetween>
   text.remove_prefix(end);
   return word;
 }
-[[nodiscard]] constexpr std::string_view take_word(std::string_view& text) noexcept {
-  return take_word(text, is_blank);
+[[nodiscard]] constexpr std::string_view next_word(std::string_view& text) noexcept {
+  return next_word(text, is_blank);
 }
 
 /// All words of a line.
 [[nodiscard]] inline std::vector<std::string_view> words(std::string_view line) {
   std::vector<std::string_view> found;
-  for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) found.push_back(word);
+  for (std::string_view word = next_word(line); !word.empty(); word = next_word(line)) found.push_back(word);
   return found;
 }
 

@@ -218,7 +218,7 @@ ChangeSets::Done ChangeSets::recover() {
   return carry_out(std::move(*journal));
 }
 
-std::expected<bool, std::string> ChangeSets::look() {
+std::expected<bool, std::string> ChangeSets::open_read_only() {
   before_.clear();
   auto journal = load();
   if (!journal) return std::unexpected(std::move(journal.error()));

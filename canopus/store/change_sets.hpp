@@ -43,7 +43,7 @@ class ChangeSets {
   [[nodiscard]] std::expected<void, std::string> recover();
   /// For readers, in place of recover(): writes nothing; from then on read() gives what the files were before a
   /// change that is not finished. False when there is none.
-  [[nodiscard]] std::expected<bool, std::string> look();
+  [[nodiscard]] std::expected<bool, std::string> open_read_only();
   /// The message to the user when there is one; `journal`: the path as the user gave it.
   [[nodiscard]] static std::string unfinished_change(std::string_view journal);
   /// The contents of a file; nothing: it does not exist.
@@ -88,7 +88,7 @@ class ChangeSets {
   Files* files_;
   std::filesystem::path records_;
   FileMemory journal_;
-  FileContents before_;  // of readers: see look()
+  FileContents before_;  // of readers: see open_read_only()
 };
 
 }  // namespace canopus::store

@@ -33,7 +33,7 @@ FolderLock::~FolderLock() {
   if (file_ >= 0) ::close(file_);
 }
 
-std::expected<FolderLock, std::string> FolderLock::take(const std::filesystem::path& folder) {
+std::expected<FolderLock, std::string> FolderLock::acquire(const std::filesystem::path& folder) {
   const auto refuse = [](std::string_view what, int why) {
     return std::unexpected(std::string(what) + ": " + describe_error(why));
   };

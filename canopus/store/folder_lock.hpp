@@ -14,7 +14,7 @@ class FolderLock {
  public:
   /// Makes the folder if it is missing. The error is a sentence without the folder's name: "another process
   /// (1234) uses it", "cannot make the folder: Permission denied".
-  [[nodiscard]] static std::expected<FolderLock, std::string> take(const std::filesystem::path& folder);
+  [[nodiscard]] static std::expected<FolderLock, std::string> acquire(const std::filesystem::path& folder);
 
   ~FolderLock();
   FolderLock(FolderLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}

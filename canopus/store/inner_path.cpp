@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <utility>
+#include <vector>
+
+#include "canopus/ascii/words.hpp"
 
 namespace canopus::store {
 namespace {
@@ -55,6 +58,29 @@ std::expected<std::string, std::string> read_inner_file(const std::filesystem::p
   const auto bytes = real_files().read(folder / name, longest);
   if (bytes) return std::string(bytes->begin(), bytes->end());
   return std::unexpected("cannot read " + (folder / name).string() + ": " + describe_error(bytes.error()));
+}
+
+std::optional<std::string> find_inner_file(const std::filesystem::path& folder, std::string_view name) {
+  namespace fs = std::filesystem;
+  constexpr std::size_t most_entries = 10'000;
+  if (!check_inner_name(name)) return std::nullopt;
+  fs::path found;
+  for (const fs::path& part : fs::path(name)) {
+    std::error_code error;
+    fs::directory_iterator entry(folder / found, error);
+    std::vector<fs::path> alike;
+    for (std::size_t count = 0; !error && entry != fs::directory_iterator() && count < most_entries;
+         ++count) {
+      const fs::path own = entry->path().filename();
+      if (own == part) alike.assign(1, own);
+      if (own == part) break;
+      if (ascii::equal_ignoring_case(own.string(), part.string())) alike.push_back(own);
+      entry.increment(error);
+    }
+    if (alike.size() != 1) return std::nullopt;
+    found /= alike.front();
+  }
+  return found.generic_string();
 }
 
 }  // namespace canopus::store

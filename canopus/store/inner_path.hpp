@@ -4,6 +4,7 @@
 
 #include <expected>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -24,5 +25,10 @@ namespace canopus::store {
 /// The bytes of such a file, 64 MiB at most. The error is a sentence that names the file.
 [[nodiscard]] std::expected<std::string, std::string> read_inner_file(const std::filesystem::path& folder,
                                                                       std::string_view name);
+
+/// Of a file below `folder` that differs from `name` in upper and lower case (of ASCII) alone, the path as it is, with
+/// '/'. Nothing: there is none or more than one, or `name` leads out. Of a folder 10,000 entries are looked at.
+[[nodiscard]] std::optional<std::string> find_inner_file(const std::filesystem::path& folder,
+                                                         std::string_view name);
 
 }  // namespace canopus::store

@@ -2,6 +2,7 @@
 // Bytes as text of 64 characters [RFC 4648, 4].
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,5 +14,7 @@ inline constexpr std::string_view base64_digits =
 
 /// With padding, in one line.
 [[nodiscard]] std::string to_base64(std::span<const std::uint8_t> bytes);
+/// The bytes, or nothing if the text is no base64. Padding at the end may be missing.
+[[nodiscard]] std::optional<std::string> from_base64(std::string_view text);
 
 }  // namespace canopus::text

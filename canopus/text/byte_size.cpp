@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/ascii/number.hpp"
 
 namespace canopus::text {
@@ -41,7 +42,7 @@ std::string describe_byte_size(std::uint64_t bytes) {
     const std::uint64_t size = std::uint64_t{1} << unit.shift;
     if (bytes >= size && bytes % size == 0) return fmt::format("{} {}", bytes / size, unit.name);
   }
-  return fmt::format("{} byte{}", bytes, bytes == 1 ? "" : "s");
+  return ascii::counted(bytes, "byte");
 }
 
 }  // namespace canopus::text

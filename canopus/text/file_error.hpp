@@ -36,7 +36,7 @@ struct FileWarning {
 [[nodiscard]] std::string describe(Place place, std::string_view path);
 /// "plant.toml:14:9: node = 128: a node-ID is 1 to 127"
 [[nodiscard]] std::string describe(const FileError& error, std::string_view path);
-/// "plant.toml:14:9: warning: node 3 waits for SYNC, but nobody on bus \"line1\" produces it"
+/// "plant.toml:14:9: warning: node 3 waits for SYNC, but no node on bus \"line1\" produces it"
 [[nodiscard]] std::string describe(const FileWarning& warning, std::string_view path);
 
 class FileErrors {
@@ -49,7 +49,7 @@ class FileErrors {
     errors_.insert(errors_.end(), others.begin(), others.end());
   }
   [[nodiscard]] bool empty() const noexcept { return errors_.empty(); }
-  [[nodiscard]] std::vector<FileError> take() { return std::exchange(errors_, {}); }
+  [[nodiscard]] std::vector<FileError> release() { return std::exchange(errors_, {}); }
 
  private:
   std::vector<FileError> errors_;

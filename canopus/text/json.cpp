@@ -44,8 +44,8 @@ Json& Json::operator=(const Json& other) {
   return *this;
 }
 Json& Json::operator=(Json&& other) noexcept {
-  Json taken(std::move(other));
-  value_ = std::move(taken.value_);
+  Json moved(std::move(other));
+  value_ = std::move(moved.value_);
   return *this;
 }
 Json::~Json() = default;
@@ -59,7 +59,7 @@ Json Json::array() {
 Json Json::array(std::initializer_list<JsonItem> items) {
   Array elements;
   elements.reserve(items.size());
-  for (const JsonItem& item : items) elements.push_back(item.take());
+  for (const JsonItem& item : items) elements.push_back(item.release());
   Json made;
   made.value_ = std::move(elements);
   return made;
@@ -76,7 +76,7 @@ Json Json::object(std::initializer_list<JsonItem> items) {
   Object& members = std::get<Object>(made.value_);
   members.reserve(items.size());
   for (const JsonItem& item : items) {
-    Json member = item.take();
+    Json member = item.release();
     if (!is_member(member)) throw std::logic_error("JSON: expected a key and a value");
     std::string key = std::get<std::string>(std::move(member.element(0).value_));
     if (!made.contains(key)) members.push_back({std::move(key), std::move(member.element(1))});

@@ -192,7 +192,7 @@ class JsonItem {
 
   [[nodiscard]] const Json& value() const noexcept { return value_; }
   /// The items of a list are constant, and live no longer than what is made of them.
-  [[nodiscard]] Json take() const noexcept { return std::move(value_); }
+  [[nodiscard]] Json release() const noexcept { return std::move(value_); }
 
  private:
   mutable Json value_;

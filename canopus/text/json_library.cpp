@@ -27,7 +27,7 @@ class JsonBuilder {
   bool end_array() { return close(); }
   bool start_object(std::size_t /*size*/) { return open(Json::object()); }
   bool end_object() {
-    take_last_of_each(std::get<Json::Object>(open_.back()->value_));
+    keep_last_of_each(std::get<Json::Object>(open_.back()->value_));
     return close();
   }
   bool key(std::string& value) {
@@ -40,7 +40,7 @@ class JsonBuilder {
     return false;
   }
 
-  [[nodiscard]] Json take() { return std::move(root_); }
+  [[nodiscard]] Json release() { return std::move(root_); }
   [[nodiscard]] const std::string& error() const { return error_; }
 
  private:
@@ -68,7 +68,7 @@ class JsonBuilder {
     open_.pop_back();
     return true;
   }
-  static void take_last_of_each(Json::Object& members);
+  static void keep_last_of_each(Json::Object& members);
 
   std::size_t depth_;
   Json root_;
@@ -77,7 +77,7 @@ class JsonBuilder {
 };
 
 /// In a time that does not grow with the square of their number.
-void JsonBuilder::take_last_of_each(Json::Object& members) {
+void JsonBuilder::keep_last_of_each(Json::Object& members) {
   std::vector<std::size_t> order(members.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, {}, [&](std::size_t i) -> const std::string& { return members[i].key; });
@@ -103,7 +103,7 @@ std::expected<Json, std::string> parse_json(std::string_view text, JsonLimits li
   if (text.size() > limits.bytes) return std::unexpected(fmt::format("more than {} octets", limits.bytes));
   JsonBuilder builder(limits.depth);
   if (!nlohmann::json::sax_parse(text, &builder)) return std::unexpected(builder.error());
-  return builder.take();
+  return builder.release();
 }
 
 /// Digits that read back as the same number, but not always the fewest: std::to_chars would write one of a thousand

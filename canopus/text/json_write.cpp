@@ -12,12 +12,12 @@ namespace {
 /// Replacement for octets that are not UTF-8: U+FFFD.
 constexpr std::string_view replacement = "\xEF\xBF\xBD";
 
-/// The number of octets of the first character, or of an incomplete one. `text` is not empty.
-struct Character {
+/// The number of octets of the first character, or of what is there of one. `text` is not empty.
+struct Utf8Sequence {
   std::size_t octets = 1;
   bool is_whole = false;
 };
-constexpr Character first_character(std::string_view text) {
+constexpr Utf8Sequence first_sequence(std::string_view text) {
   const auto octet = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned lead = octet(0);
   if (lead < 0x80) return {1, true};
@@ -48,16 +48,16 @@ void write_string(std::string& out, std::string_view text) {
   out += '"';
   while (!text.empty()) {
     const char c = text.front();
-    const Character character = first_character(text);
-    if (!character.is_whole) {
+    const Utf8Sequence sequence = first_sequence(text);
+    if (!sequence.is_whole) {
       out += replacement;
     } else if (static_cast<unsigned char>(c) < 0x20) {
       write_control(out, c);
     } else {
       if (c == '"' || c == '\\') out += '\\';
-      out += text.substr(0, character.octets);
+      out += text.substr(0, sequence.octets);
     }
-    text.remove_prefix(character.octets);
+    text.remove_prefix(sequence.octets);
   }
   out += '"';
 }

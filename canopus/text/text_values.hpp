@@ -20,7 +20,7 @@ struct ObjectName {
   std::uint8_t sub = 0;
   friend bool operator==(const ObjectName&, const ObjectName&) = default;
 };
-/// "6000:01", "6000" (sub-index 00H), "0x6000:1", "6000H:01H": always hexadecimal, as CiA documents write
+/// "6000:01", "6000" (sub-index 00H), "0x6000:1", "6000:01": always hexadecimal, as CiA documents write
 /// them.
 [[nodiscard]] std::expected<ObjectName, std::string> parse_object(std::string_view text);
 

@@ -56,14 +56,14 @@ TEST(Words, TrimmedText_HasNoBlanksAtItsEnds) {
 
 TEST(Words, AWordTaken_LeavesTheRestWithItsBlanks) {
   std::string_view text = "  set 6000:01\t5 ";
-  EXPECT_EQ(take_word(text), "set");
+  EXPECT_EQ(next_word(text), "set");
   EXPECT_EQ(text, " 6000:01\t5 ");
-  EXPECT_EQ(take_word(text), "6000:01");
-  EXPECT_EQ(take_word(text), "5");
-  EXPECT_EQ(take_word(text), "");
+  EXPECT_EQ(next_word(text), "6000:01");
+  EXPECT_EQ(next_word(text), "5");
+  EXPECT_EQ(next_word(text), "");
   EXPECT_EQ(text, "");
   text = "a\nb";
-  EXPECT_EQ(take_word(text, [](char c) { return c == '\n'; }), "a");
+  EXPECT_EQ(next_word(text, [](char c) { return c == '\n'; }), "a");
   EXPECT_EQ(text, "\nb");
 }
 

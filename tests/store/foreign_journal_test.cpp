@@ -94,7 +94,7 @@ class ForeignJournal : public testing::Test {
       ASSERT_FALSE(done);
       EXPECT_NE(done.error().find(words), std::string::npos) << done.error();
     };
-    expect(ChangeSets(project).look());
+    expect(ChangeSets(project).open_read_only());
     expect(ChangeSets(project).recover());
     expect(ChangeSets(project).write({{"a", "new"}}, "a change"));
     expect(ChangeSets(project).undo());
@@ -174,7 +174,7 @@ TEST_F(ForeignJournal, Looking_ShowsWhatWasBeforeTheChange_AndWritesNothing) {
           {record({{"a", "old a"}, {"b", "old b"}, {"c", std::nullopt}}, 0)});
   const auto before = listing(top);
   ChangeSets sets(project);
-  EXPECT_TRUE(sets.look().value_or(false));
+  EXPECT_TRUE(sets.open_read_only().value_or(false));
   EXPECT_EQ(sets.read("a").value_or("?"), "old a");
   EXPECT_EQ(sets.read("b").value_or("?"), "old b");
   EXPECT_EQ(sets.read("c").value_or("?"), std::nullopt);
@@ -182,7 +182,7 @@ TEST_F(ForeignJournal, Looking_ShowsWhatWasBeforeTheChange_AndWritesNothing) {
   ASSERT_TRUE(ChangeSets(project).recover());
   EXPECT_EQ(slurp(project / "a"), "new a");
   EXPECT_EQ(slurp(project / "c"), "new c");
-  EXPECT_FALSE(ChangeSets(project).look().value_or(true));
+  EXPECT_FALSE(ChangeSets(project).open_read_only().value_or(true));
 }
 
 TEST_F(ForeignJournal, LookingAtAnUnfinishedUndo_ShowsWhatWasBeforeIt) {
@@ -193,7 +193,7 @@ TEST_F(ForeignJournal, LookingAtAnUnfinishedUndo_ShowsWhatWasBeforeIt) {
   EXPECT_FALSE(ChangeSets(project).undo());
   EXPECT_EQ(slurp(project / "a"), "second");
   ChangeSets sets(project);
-  EXPECT_TRUE(sets.look().value_or(false));
+  EXPECT_TRUE(sets.open_read_only().value_or(false));
   EXPECT_EQ(sets.read("a").value_or("?"), "third");
   EXPECT_EQ(sets.read("b").value_or("?"), "third");
   fs::remove_all(project / "b.new");
@@ -204,7 +204,7 @@ TEST_F(ForeignJournal, LookingAtAnUnfinishedUndo_ShowsWhatWasBeforeIt) {
 TEST_F(ForeignJournal, PendingContentsWithoutARecord_AreNotShown) {
   journal({{"a", "new a"}});
   ChangeSets sets(project);
-  EXPECT_TRUE(sets.look().value_or(false));
+  EXPECT_TRUE(sets.open_read_only().value_or(false));
   EXPECT_EQ(sets.read("a").value_or("?"), "old a");
 }
 
@@ -235,7 +235,7 @@ RC_GTEST_FIXTURE_PROP(ForeignJournal, WhateverTheJournalHolds_NothingOutsideChan
   write(project / ".canopus" / "journal", file_of(body));
   const auto before = listing(victim);
   const auto inside = listing(project);
-  static_cast<void>(ChangeSets(project).look());
+  static_cast<void>(ChangeSets(project).open_read_only());
   RC_ASSERT(listing(project) == inside);
   static_cast<void>(ChangeSets(project).recover());
   static_cast<void>(ChangeSets(project).undo());

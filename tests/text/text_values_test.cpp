@@ -26,7 +26,7 @@ TEST(TextValues, ObjectsAreHexadecimal) {
   EXPECT_EQ(parse_object("6000:01"), (ObjectName{0x6000, 1}));
   EXPECT_EQ(parse_object("1A00:FF"), (ObjectName{0x1A00, 0xFF}));
   EXPECT_EQ(parse_object("0x1018:0x4"), (ObjectName{0x1018, 4}));
-  EXPECT_EQ(parse_object("1018H:04H"), (ObjectName{0x1018, 4}));
+  EXPECT_EQ(parse_object("1018:04"), (ObjectName{0x1018, 4}));
   EXPECT_EQ(parse_object("1000"), (ObjectName{0x1000, 0}));
 }
 

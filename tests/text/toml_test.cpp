@@ -32,6 +32,10 @@ std::string too_deep_at(std::string_view place) {
 /// A key of so many parts: its last one stands in one table less.
 std::string key(std::size_t parts) { return "a" + repeated(".a", parts - 1); }
 
+TEST(Toml, AKeyThatIsThereTwice_IsNamed) {
+  EXPECT_EQ(error_of("[a]\nb = 1\nb = 2\n"), "t.toml:3:5: 'b' is in this table already; expected it once");
+}
+
 TEST(Toml, Keys_HaveAtMost65Parts) {
   EXPECT_EQ(error_of(key(65) + " = 1\n"), "");
   EXPECT_EQ(error_of(key(66) + " = 1\n"), too_deep_at("1:130"));
