@@ -1,6 +1,6 @@
 #pragma once
-// When an object is to be called next. An object that waits has an alarm and sets it; the timeline, or the alarm of the whole that it
-// is a part of, is notified when that changes the earliest deadline. No object is asked for its deadline.
+// When an object is to be called next. An object with a deadline has an alarm and sets it; the timeline, or the alarm of the whole that it
+// is a part of, is notified when that changes the earliest deadline. Deadlines are pushed, never polled.
 
 #include <compare>
 #include <cstdint>

@@ -20,7 +20,7 @@ class Port;
 /// What a bus did, for traces and statistics.
 class BusObserver {
  public:
-  /// A frame was completed on the bus: from the start of its SOF to the end of its EOF. Called before anybody
+  /// A frame was completed on the bus: from the start of its SOF to the end of its EOF. Called before any participant
   /// on the bus is notified.
   virtual void frame_completed(const Frame& frame, Time start, Time end) = 0;
   /// A controller found an error at the sample point of a bit; its error flag follows.
@@ -58,11 +58,11 @@ struct PortCounters {
 /// A controller plugged into the bus, and the participant behind it.
 class Port : public Controller {
  public:
-  /// The participant that hears this port.
+  /// The participant that receives what this port receives.
   virtual void connect(Listener& participant) = 0;
-  /// Nobody hears this port any more; the controller stays on the bus.
+  /// The port has no participant any more; the controller stays on the bus.
   virtual void disconnect() = 0;
-  /// Unplugged: hears nothing, its frames wait. A controller that is plugged, switched on, restarted or added
+  /// Unplugged: receives nothing, its frames wait. A controller that is plugged, switched on, restarted or added
   /// to a running bus takes part after 11 recessive bits.
   virtual void plug(bool plugged) = 0;
   /// Unplugged is not off: what waits is kept, and is sent when it is plugged again.
@@ -77,10 +77,10 @@ class Port : public Controller {
   [[nodiscard]] virtual const PortCounters& counters() const = 0;
   /// Frames that were sent and are not on the bus yet, the one being sent included.
   [[nodiscard]] virtual std::size_t waiting() const = 0;
-  /// Bus monitoring: hears everything and drives nothing, no acknowledgement, no error flag; send() is
+  /// Bus monitoring: receives everything and drives nothing, no acknowledgement, no error flag; send() is
   /// refused.
   virtual void set_listen_only(bool listen_only) = 0;
-  /// After bus-off: true (default) = returns by itself after 128 times 11 recessive bits; false = when asked
+  /// After bus-off: true (default) = returns by itself after 128 times 11 recessive bits; false = on request
   /// to by recover(), or at once by restart().
   void set_automatic_recovery(bool automatic) override = 0;
   /// Starts to count the 128 times 11 recessive bits when bus-off; else nothing.
@@ -102,7 +102,7 @@ class Bus {
   virtual ~Bus() = default;
   [[nodiscard]] virtual const std::string& name() const noexcept = 0;
   [[nodiscard]] virtual std::uint32_t bit_rate() const noexcept = 0;
-  /// False: it is outside of this process and went away; nothing is heard and sent.
+  /// False: it is outside of this process and was lost; nothing is received or sent.
   [[nodiscard]] virtual bool is_there() const noexcept { return true; }
   /// Adds a controller with the bus's bit rate; it belongs to the bus and lives as long.
   virtual Port& add_port(std::string name) = 0;

@@ -20,7 +20,7 @@ enum class FrameField : std::uint8_t {
   start_of_frame,
   identifier_28_21,  ///< the first eight bits of the base identifier
   identifier_20_18,  ///< its other three
-  rtr,               ///< RTR of a base frame, SRR of an extended one: which of them it is IDE says
+  rtr,               ///< RTR of a base frame, SRR of an extended one: IDE tells which
   ide,
   identifier_17_13,
   identifier_12_5,

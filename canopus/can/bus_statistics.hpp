@@ -34,7 +34,7 @@ class BusStatistics {
     seconds_.add(start, end);
   }
   /// `under_way`: when activities began that busy() is still to count; never: there is none. What of them is over by now counts, too:
-  /// how a bus divides its time must not hang on when it is said.
+  /// how a bus divides its time must not depend on when it is reported.
   [[nodiscard]] BusLoad load(Time now, std::initializer_list<Time> under_way = {}) const noexcept;
   [[nodiscard]] std::uint64_t frames_of(std::uint32_t identifier, bool extended) const noexcept;
 

@@ -45,7 +45,7 @@ class Controller : public Sink {
   virtual void set_automatic_recovery(bool /*automatic*/) {}
   /// Changes the bit rate and starts the controller anew: counters 0, error active, transmit queue empty.
   virtual void restart(std::uint32_t bit_rate) = 0;
-  /// Off: as if it had no supply. It hears nothing, acknowledges nothing, what waits is lost, send() refuses.
+  /// Off: as if it had no supply. It receives nothing, acknowledges nothing, pending frames are lost, send() refuses.
   /// On: as after restart() with the bit rate it has. A controller whose supply cannot be switched ignores it.
   virtual void set_power(bool /*on*/) {}
   /// Frames that send() refused since the last restart().
@@ -74,7 +74,7 @@ class Listener {
   virtual void controller_changed(Time /*now*/) {}
 };
 
-/// Lives in time: sets its alarm whenever it wants its next tick at another moment, and gets it.
+/// Has deadlines: sets its alarm whenever the moment of its next tick changes.
 class Ticker {
  public:
   Ticker() = default;

@@ -84,7 +84,7 @@ Frame error_frame(const BusErrorReport& report) noexcept {
       break;
     case BusError::stuff: frame.data[2] = stuff_error; break;
     case BusError::form: frame.data[2] = form_error; break;
-    case BusError::crc: frame.data[3] = location_crc; break;  // as Linux's drivers say it
+    case BusError::crc: frame.data[3] = location_crc; break;  // as Linux's drivers report it
     case BusError::acknowledgement: frame.identifier |= class_acknowledgement; break;
   }
   if (report.transmitter) frame.data[2] |= while_sending;

@@ -17,7 +17,7 @@ inline constexpr std::uint32_t max_extended_identifier = 0x1FFF'FFFF;
 struct Frame {
   std::uint32_t identifier = 0;  ///< 0..7FFH, or 0..1FFFFFFFH when extended
   bool extended = false;         ///< 29-bit identifier (IDE recessive)
-  bool remote = false;           ///< remote frame (RTR recessive): no data; dlc is the length asked for
+  bool remote = false;           ///< remote frame (RTR recessive): no data; dlc is the requested length
   std::uint8_t dlc = 0;          ///< 0..15 as on the wire; 9..15 mean 8 bytes
   alignas(8) std::array<std::uint8_t, 8> data{};  // aligned: frames are copied and compared as two words
 

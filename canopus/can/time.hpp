@@ -1,5 +1,5 @@
 #pragma once
-// Time as the protocol rooms know it: nanoseconds since the start of the run. Nobody below the app reads a
+// Time as the protocol rooms know it: nanoseconds since the start of the run. No room below the program reads a
 // clock; time is always an argument, so the same code runs in virtual and in real time.
 
 #include <chrono>
@@ -7,7 +7,7 @@
 
 namespace canopus::can {
 
-/// The clock of a run. It has no now(): only the event loop knows what time it is.
+/// The clock of a run. It has no now(): only the event loop has the present time.
 struct RunClock {
   using rep = std::int64_t;
   using period = std::nano;

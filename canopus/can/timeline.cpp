@@ -239,7 +239,7 @@ bool Timeline::is_stalled(Handle handle) {
 std::string Timeline::Stall::text() const {
   char moment[32];
   std::snprintf(moment, sizeof moment, "%.9f", seconds(now));
-  return name + " asks for the moment " + moment + " s without end: it gets no ticks any more";
+  return name + " sets its deadline to " + moment + " s without end: it gets no ticks any more";
 }
 
 }  // namespace canopus::can

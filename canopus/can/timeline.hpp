@@ -1,6 +1,6 @@
 #pragma once
-// The order in which participants get their ticks: a queue of deadlines. It knows no clock; the simulated
-// bus, a test or the event loop asks it what comes next and runs it up to a moment. Equal deadlines tick by
+// The order in which participants get their ticks: a queue of deadlines. It has no clock; the simulated
+// bus, a test or the event loop reads the next deadline and runs it up to a moment. Equal deadlines tick by
 // rank, then in the order of add(), so one seed gives one trace.
 //
 // A participant whose deadline does not pass, however often it gets its tick, would stop time for all others.
@@ -52,11 +52,11 @@ class Timeline {
   /// Takes a participant out for good; its handle is not used again.
   void remove(Handle handle);
 
-  /// A participant that asked for one moment without end and has been taken out.
+  /// A participant that set its deadline to one moment without end, and was removed.
   struct Stall {
     std::string name;
     Time now;
-    /// "NAME asks for the moment 1.5 s without end: it gets no ticks any more"
+    /// "NAME sets its deadline to 1.5 s without end: it gets no ticks any more"
     [[nodiscard]] std::string text() const;
   };
   /// So many ticks of one participant at one moment are an error. The busiest ones need a few hundred.
@@ -75,7 +75,7 @@ class Timeline {
   /// Ticks everything whose deadline is <= end, in order of time; then now() == end.
   void run_until(Time end);
 
-  /// A timeline whose participants never have to do with those of another partition; it lives as long as this one. What belongs
+  /// A timeline whose participants have no effect on those of another partition; it lives as long as this one. What belongs
   /// to none, such as clients that wait, is on this one itself. Equal deadlines tick in the order of add() over all.
   Timeline& add_partition();
   /// 0: all participants are on this one.

@@ -349,7 +349,7 @@ TEST(TimelineStall, AParticipantThatAsksForOneMomentWithoutEnd_IsTakenOutAndName
   timeline.run_until(Time(3s));
   ASSERT_EQ(stalls.size(), 1U);
   EXPECT_EQ(stalls[0].text(),
-            "bus main asks for the moment 1.500000000 s without end: it gets no ticks any more");
+            "bus main sets its deadline to 1.500000000 s without end: it gets no ticks any more");
   EXPECT_LE(spinner.ticks, 2 * Timeline::most_ticks);
   EXPECT_EQ(log, (Log{"other@1000", "other@1500", "other@2000"}));
   EXPECT_EQ(timeline.now(), Time(3s));
@@ -398,7 +398,7 @@ TEST(TimelineStall, WithoutAHandler_IsThrown) {
     FAIL() << "nothing was thrown";
   } catch (const std::logic_error& error) {
     EXPECT_STREQ(error.what(),
-                 "slave 3 asks for the moment 0.001000000 s without end: it gets no ticks any more");
+                 "slave 3 sets its deadline to 0.001000000 s without end: it gets no ticks any more");
   }
   timeline.run_until(Time(1s));
   EXPECT_EQ(timeline.now(), Time(1s));
@@ -486,7 +486,7 @@ TEST(Timeline, AStampOfAPartitions_IsItsPlaceInTheOrderOfAll) {
   Timeline& one = timeline.add_partition();
   Timeline& other = timeline.add_partition();
   std::vector<std::pair<TickStamp, std::string>> said;
-  const auto say = [&said](Timeline& line, std::string what) {
+  const auto note = [&said](Timeline& line, std::string what) {
     return [&said, &line, what] {
       EXPECT_TRUE(line.runs_alone());
       said.emplace_back(line.stamp(), what);
@@ -496,10 +496,10 @@ TEST(Timeline, AStampOfAPartitions_IsItsPlaceInTheOrderOfAll) {
   Appointments b("b", {Time(1ms)}, log);
   Appointments c("c", {Time(1ms)}, log);
   Appointments bus("bus", {Time(1ms)}, log);
-  a.then = say(one, "a");
-  b.then = say(other, "b");
-  c.then = say(one, "c");
-  bus.then = say(one, "bus");
+  a.then = note(one, "a");
+  b.then = note(other, "b");
+  c.then = note(one, "c");
+  bus.then = note(one, "bus");
   one.add(bus, "bus", Timeline::Rank::bus);
   one.add(a);
   other.add(b);

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "canopus/can/frame_bits.hpp"
 #include "canopus/sim/bus/bus.hpp"
 
 #include "sim/bus_station.hpp"
@@ -63,6 +64,22 @@ TEST_F(BusFaults, Drop_AtOneReceiver_LeavesTheOthersTheirs) {
   EXPECT_EQ(c.frames(), (Frames{numbered(1), numbered(2)}));
 }
 
+struct NeedsBits final : WireObserver {
+  void level_changed(bool, Time) override {}
+  void transmit_changed(const Port&, bool, Time) override {}
+  void activity_changed(const Port&, bool, bool, Time) override {}
+};
+
+TEST_F(BusFaults, TheFirstOnesOfABusThatWasWatched_LeaveNothingDueInThePast) {
+  NeedsBits bits;
+  timeline.run_until(Time(1s));
+  bus.add_observer(bits);
+  timeline.run_until(Time(100s));
+  faults({{.kind = FaultKind::drop}});
+  EXPECT_GE(timeline.next(), timeline.now());
+  bus.remove_observer(bits);
+}
+
 TEST_F(BusFaults, FrameRules_MatchIdentifierSenderAndTime) {
   faults({{.kind = FaultKind::drop, .from = Time(2ms), .until = Time(4ms), .sender = "a"},
           {.kind = FaultKind::drop, .identifier = 0x181}});
@@ -85,6 +102,67 @@ TEST_F(BusFaults, Corrupt_CostsAnErrorFrameAndTheFrameIsRepeated) {
   EXPECT_EQ(b.frames(), (Frames{numbered(1), numbered(2), numbered(3)}));
   EXPECT_EQ(a.port.counters().errors, 1U);
   EXPECT_EQ(a.port.transmit_error_counter(), 6);  // 8, and two frames since
+}
+
+/// The moments at which the level of the wire changes; the first one is to dominant.
+struct Edges final : WireObserver {
+  void level_changed(bool, Time now) override { at.push_back(now); }
+  void transmit_changed(const Port&, bool, Time) override {}
+  void activity_changed(const Port&, bool, bool, Time) override {}
+  std::vector<Time> at;
+};
+
+/// A dominant bit is seen as recessive by its sender, which finds an error at its sample point.
+TEST_F(BusFaults, Corrupt_LastsToTheEndOfItsBitWhateverHappensOnTheBusMeanwhile) {
+  faults({{.kind = FaultKind::corrupt, .count = 1, .bit = 1}});
+  Edges edges;
+  bus.add_observer(static_cast<WireObserver&>(edges));
+  a.send_at(Time(100us), data_frame(0));
+  timeline.run_until(Time(101'900ns));
+  c.port.restart(1'000'000);
+  timeline.run_until(Time(103us));
+  EXPECT_EQ(edges.at, (std::vector<Time>{Time(100us), Time(101us), Time(102us)}));
+}
+
+/// A dominant level that one station alone sees in the second bit of the intermission makes it send an overload flag, which the
+/// others take for a SOF. Returns what a station hears of two frames of c and one of b, and when.
+std::vector<Heard> heard_behind_an_intermission_with_a_fault(bool is_watched) {
+  can::Timeline timeline;
+  Bus bus("main", 1'000'000, timeline);
+  Station a(bus, timeline, "a");
+  Station b(bus, timeline, "b");
+  Station c(bus, timeline, "c");
+  NeedsBits bits;
+  if (is_watched) bus.add_observer(bits);
+  const unsigned length = can::frame_bits(data_frame(0x42));
+  EXPECT_TRUE(
+      bus.set_faults({{.kind = FaultKind::corrupt, .count = 1, .receiver = "b", .bit = length + 1}}, 1)
+          .has_value());
+  b.send_at(Time(100us), data_frame(0x100));
+  c.send_at(Time(100us), data_frame(0x42));
+  c.send_at(Time(100us), data_frame(0x43));
+  timeline.run_until(Time(100us) + length * 1us + 5'500ns);
+  a.port.restart(1'000'000);
+  timeline.run_until(Time(2ms));
+  if (is_watched) bus.remove_observer(bits);
+  return a.heard;
+}
+
+TEST_F(BusFaults, AStationThatHasLostArbitration_TakesNoPartInAFrameThatBeginsInTheIntermission) {
+  const std::vector<Heard> heard = heard_behind_an_intermission_with_a_fault(false);
+  EXPECT_EQ(heard.size(), 3U);
+  EXPECT_EQ(heard, heard_behind_an_intermission_with_a_fault(true));
+}
+
+TEST_F(BusFaults, NewFaults_EndACorruptionAtOnce) {
+  faults({{.kind = FaultKind::corrupt, .count = 1, .bit = 1}});
+  Edges edges;
+  bus.add_observer(static_cast<WireObserver&>(edges));
+  a.send_at(Time(100us), data_frame(0));
+  timeline.run_until(Time(101'300ns));
+  faults({});
+  timeline.run_until(Time(103us));
+  EXPECT_EQ(edges.at, (std::vector<Time>{Time(100us), Time(101us), Time(101'300ns)}));
 }
 
 TEST_F(BusFaults, Corrupt_OfAnyBit_NeverLosesOrChangesAFrame) {
@@ -292,6 +370,60 @@ TEST_F(BusFaults, RefusedFaults_LeaveTheOldOnesAtWork) {
   send_numbered(a, 1);
   timeline.run_until(Time(1s));
   EXPECT_TRUE(b.heard.empty());
+}
+
+TEST_F(BusFaults, OneIsEnded_AndTheOthersGoOn) {
+  faults({{.kind = FaultKind::drop, .receiver = "b"},
+          {.kind = FaultKind::delay, .delay = 100us},
+          {.kind = FaultKind::stuck_recessive, .ports = {"b"}}});
+  send_numbered(a, 4);
+  timeline.run_until(Time(2'500us));
+  EXPECT_TRUE(bus.fault_states()[2].is_active);
+  EXPECT_TRUE(bus.end_fault(0));
+  EXPECT_TRUE(bus.end_fault(2));
+  EXPECT_FALSE(bus.end_fault(3));
+  timeline.run_until(Time(1s));
+  EXPECT_EQ(b.frames(), (Frames{numbered(3), numbered(4)}));
+  EXPECT_EQ(c.frames(), (Frames{numbered(1), numbered(2), numbered(3), numbered(4)}));
+  const auto states = bus.fault_states();
+  ASSERT_EQ(states.size(), 3U);
+  EXPECT_EQ(states[0].hits, 2U);
+  EXPECT_EQ(states[1].hits, 4U);
+  EXPECT_FALSE(states[2].is_active);
+}
+
+TEST_F(BusFaults, OneThatIsEndedBeforeItBegins_NeverBegins) {
+  faults({{.kind = FaultKind::cut, .from = Time(5ms), .ports = {"c"}}});
+  EXPECT_TRUE(bus.end_fault(0));
+  timeline.run_until(Time(1s));
+  EXPECT_FALSE(bus.fault_states()[0].is_active);
+}
+
+TEST_F(BusFaults, RawLevelsAreNotEndedAlone) {
+  faults({{.kind = FaultKind::drive, .from = Time(5ms), .levels = std::vector<DrivenLevel>(1)}});
+  EXPECT_FALSE(bus.end_fault(0));
+}
+
+TEST_F(BusFaults, EachSideOfACutWireHasItsOwnLoad) {
+  Station d(bus, timeline, "d");
+  EXPECT_TRUE(bus.sides(timeline.now()).empty());
+  faults({{.kind = FaultKind::cut, .from = Time(0ms), .until = Time(3s), .ports = {"c", "d"}}});
+  for (int i = 0; i < 100; ++i) a.send_at(Time(i * 10ms), data_frame(0x180, {1, 2, 3, 4, 5, 6, 7, 8}));
+  for (int i = 0; i < 10; ++i) c.send_at(Time(i * 100ms), data_frame(0x181, {1, 2, 3, 4, 5, 6, 7, 8}));
+  timeline.run_until(Time(1'500ms));
+  const auto sides = bus.sides(timeline.now());
+  ASSERT_EQ(sides.size(), 2U);
+  EXPECT_EQ(sides[0].ports, (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(sides[1].ports, (std::vector<std::string>{"c", "d"}));
+  EXPECT_EQ(sides[0].frames, 100U);
+  EXPECT_EQ(sides[1].frames, 10U);
+  // 8 bytes are 111 bits, with stuff bits up to 135, and 3 of intermission: at 1 Mbit/s 100 of them a second are above 1.1 %.
+  EXPECT_GT(sides[0].now, 0.0111);
+  EXPECT_LT(sides[0].now, 0.0138);
+  EXPECT_GT(sides[1].now, 0.00111);
+  EXPECT_LT(sides[1].now, 0.00138);
+  timeline.run_until(Time(4s));
+  EXPECT_TRUE(bus.sides(timeline.now()).empty());
 }
 
 }  // namespace

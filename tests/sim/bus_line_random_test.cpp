@@ -91,6 +91,16 @@ void check_healing() {
   RC_ASSERT(complaints(Run(one, false, &line)()) == "");
 }
 
+/// An observer of the wire needs each bit of each port; without one ports act only where something may come of it.
+void check_watched() {
+  const Script one = *script(true);
+  const Line line = good_line(one.bit_rate);
+  RC_ASSERT(first_difference(Run(one, false, &line)(), Run(one, true, &line)()) == "");
+}
+
+TEST(BusLineRandom, ALineThatIsWatched_DoesTheSameAtTheSameMoments) {
+  support::expect_property(check_watched, 20, 60);
+}
 TEST(BusLineRandom, WithinItsLimits_ALineIsTheIdealBusButForTimes) {
   support::expect_property(check_within_limits, 30, 100);
 }

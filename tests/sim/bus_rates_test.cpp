@@ -195,7 +195,7 @@ TEST_F(BusRates, SenderWithAnotherBitRate_IsHeardByNobodyAndWhenItIsGoneTheOther
   wrong.port.restart(250'000);
   wrong.port.send(frame_of_53_bits);
   timeline.run_until(Time(1s));
-  // All become passive; then nobody acknowledges and nobody disturbs, and it repeats its frame for ever.
+  // All become passive; then no node acknowledges and nobody disturbs, and it repeats its frame for ever.
   EXPECT_EQ(wrong.port.error_state(), ErrorState::error_passive);
   EXPECT_TRUE(wrong.sent.empty());
   EXPECT_TRUE(b.heard.empty());

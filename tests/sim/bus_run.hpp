@@ -81,7 +81,7 @@ class Judge final : public BusObserver, public WireObserver {
   }
   std::uint64_t frames = 0;
   bool one_bus = true;  // not cut, and one bit rate: one frame after the other
-  // But for this: whoever joins counts 11 recessive bits. A frame that nobody acknowledges ends with 10, and up to 5 of
+  // But for this: whoever joins counts 11 recessive bits. A frame that no node acknowledges ends with 10, and up to 5 of
   // its CRC before them: it may begin before that frame ends for a monitor.
   Duration may_overlap{};
 
@@ -209,7 +209,7 @@ class Run {
   }
   [[nodiscard]] Bus& bus() { return bus_; }
   /// Gets every port after each step.
-  std::function<void(const Port&)> look_at;
+  std::function<void(const Port&)> inspect;
   [[nodiscard]] Time now() const { return timeline_.now(); }
 
  private:
@@ -338,7 +338,7 @@ class Run {
                             : transmit >= 128 || receive >= 128 ? can::ErrorState::error_passive
                                                                 : can::ErrorState::error_active;
       judge_.check(port.error_state() == expected, "an error state that is not the counters'");
-      if (look_at) look_at(port);
+      if (inspect) inspect(port);
     }
   }
 

@@ -5,6 +5,7 @@
 
 #include <iomanip>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <sstream>
@@ -61,7 +62,7 @@ class Events final : public BusObserver {
                     counters(one));
     changes.push_back({now, one.port->name(), one.transmit_errors, one.receive_errors});
   }
-  void look_at(const Port& port, Time now) {
+  void inspect(const Port& port, Time now) {
     lines.push_back(nanoseconds(now) + " " + port.name() + " has TEC " +
                     std::to_string(port.transmit_error_counter()) + ", REC " +
                     std::to_string(port.receive_error_counter()));
@@ -129,7 +130,7 @@ Watched watch(const Script& script, Watch how) {
   NeedsBits bits;
   std::optional<Waveform> waveform;
   run.bus().add_observer(static_cast<BusObserver&>(watched.events));
-  run.look_at = [&](const Port& port) { watched.events.look_at(port, run.now()); };
+  run.inspect = [&](const Port& port) { watched.events.inspect(port, run.now()); };
   if (how == Watch::bits) run.bus().add_observer(static_cast<WireObserver&>(bits));
   if (how == Watch::waveform)
     waveform.emplace(
@@ -162,6 +163,38 @@ void check_scripts(bool rough) {
 
 TEST(WatchedBus, CalmScripts_HaveTheSameEventsWhoeverWatches) { check_scripts(false); }
 TEST(WatchedBus, RoughScripts_HaveTheSameEventsWhoeverWatches) { check_scripts(true); }
+
+/// What the bus reports when these frames are sent at one moment, by a port each, and a bit of the first attempt is inverted.
+std::vector<std::string> events_of(const std::vector<Frame>& frames, unsigned bit, bool is_observed) {
+  can::Timeline timeline;
+  Bus bus("bus", 1'000'000, timeline);
+  Events events;
+  NeedsBits bits;
+  bus.add_observer(static_cast<BusObserver&>(events));
+  if (is_observed) bus.add_observer(static_cast<WireObserver&>(bits));
+  std::vector<std::unique_ptr<Station>> stations;
+  for (const Frame& frame : frames) {
+    stations.push_back(std::make_unique<Station>(bus, timeline, std::to_string(stations.size())));
+    stations.back()->send_at(Time(100us), frame);
+  }
+  EXPECT_TRUE(bus.set_faults({{.kind = FaultKind::corrupt, .count = 1, .bit = bit}}, 1).has_value());
+  timeline.run_until(Time(2ms));
+  for (const auto& station : stations) events.inspect(station->port, timeline.now());
+  bus.remove_observer(static_cast<WireObserver&>(bits));
+  return events.lines;
+}
+
+// An extended frame loses to a remote frame of the same base identifier by IDE alone, which is no bit of its arbitration field.
+TEST(WatchedBus, ACorruptedBitOfAnArbitration_HasTheSameEventsWhoeverWatches) {
+  Frame remote = can::data_frame(0x2A5);
+  remote.remote = true;
+  Frame extended = can::data_frame(0x2A5U << 18, {0x5A});
+  extended.extended = true;
+  const std::vector<Frame> frames = {remote, extended, can::data_frame(0x2A6, {1, 2, 3})};
+  for (unsigned bit = 0; bit < 70; ++bit) {
+    EXPECT_EQ(events_of(frames, bit, false), events_of(frames, bit, true)) << "bit " << bit;
+  }
+}
 
 /// Drive and encoder at 500 kbit/s: the drive sends its boot-up 703#00 at 0, then 703#05 each millisecond.
 struct DriveAndEncoder {

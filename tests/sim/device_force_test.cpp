@@ -33,8 +33,8 @@ std::shared_ptr<const eds::DeviceFile> io_block() {
   return eds::read_device_file(std::string(std::istreambuf_iterator<char>(stream), {})).file;
 }
 
-/// An I/O block, node 5, on a wire that takes no time: inputs 6000H:01 and :02 in its TPDO1 (event-driven),
-/// outputs 6200H:01 and :02 in its RPDO1.
+/// An I/O block, node 5, on a wire that takes no time: inputs 6000:01 and :02 in its TPDO1 (event-driven),
+/// outputs 6200:01 and :02 in its RPDO1.
 class DeviceForce : public testing::Test, public can::Sink, public sim::ForceListener {
  protected:
   bool send(const Frame& frame) override {
@@ -66,10 +66,10 @@ class DeviceForce : public testing::Test, public can::Sink, public sim::ForceLis
   }
   void start() {
     power_on();
-    hear(data_frame(0x000, {0x01, 0x05}));
+    receive(data_frame(0x000, {0x01, 0x05}));
     tpdos_.clear();
   }
-  void hear(const Frame& frame) { device_.receive(frame, now_); }
+  void receive(const Frame& frame) { device_.receive(frame, now_); }
   void run_until(can::Duration end) {
     while (device_.deadline() <= Time{end}) {
       now_ = device_.deadline();
@@ -88,13 +88,13 @@ class DeviceForce : public testing::Test, public can::Sink, public sim::ForceLis
   }
   /// What an SDO reads.
   unsigned sdo_read(std::uint16_t index, std::uint8_t sub) {
-    hear(data_frame(0x605, {0x40, static_cast<std::uint8_t>(index), static_cast<std::uint8_t>(index >> 8),
-                            sub, 0, 0, 0, 0}));
+    receive(data_frame(0x605, {0x40, static_cast<std::uint8_t>(index), static_cast<std::uint8_t>(index >> 8),
+                               sub, 0, 0, 0, 0}));
     return answer_.data[4];
   }
   void sdo_write(std::uint16_t index, std::uint8_t sub, std::uint8_t byte) {
-    hear(data_frame(0x605, {0x2F, static_cast<std::uint8_t>(index), static_cast<std::uint8_t>(index >> 8),
-                            sub, byte, 0, 0, 0}));
+    receive(data_frame(0x605, {0x2F, static_cast<std::uint8_t>(index), static_cast<std::uint8_t>(index >> 8),
+                               sub, byte, 0, 0, 0}));
     EXPECT_EQ(answer_.data[0], 0x60) << "a write is taken, forced or not";
   }
   /// Counts 1, 2, 3 ... one a second.
@@ -167,15 +167,15 @@ TEST_F(DeviceForce, AnRpdoChangesWhatIsBeneath_NotWhatIsSeen) {
   start();
   force(0x6200, 1, 7);
   EXPECT_THAT(tpdos_, ElementsAre("0 00 07")) << "the echo follows what is seen";
-  hear(data_frame(0x205, {0x55, 0x66}));
+  receive(data_frame(0x205, {0x55, 0x66}));
   EXPECT_EQ(value(0x6200, 1), 7U);
   EXPECT_EQ(value(0x6200, 2), 0x66U) << "its neighbour in the PDO";
   EXPECT_EQ(tpdos_.size(), 1U);
-  hear(data_frame(0x205, {0x07, 0x66}));  // by chance the forced value
+  receive(data_frame(0x205, {0x07, 0x66}));  // by chance the forced value
   device_.release(entry(0x6200, 1), now_);
   EXPECT_EQ(value(0x6200, 1), 7U) << "what was received last";
   force(0x6200, 1, 9);
-  hear(data_frame(0x205, {0x55, 0x66}));
+  receive(data_frame(0x205, {0x55, 0x66}));
   device_.release(entry(0x6200, 1), now_);
   EXPECT_EQ(value(0x6200, 1), 0x55U);
 }
@@ -221,11 +221,11 @@ TEST_F(DeviceForce, AgainForcedItHasItsNewEnd) {
 
 TEST_F(DeviceForce, ItOutlivesResetsAndTheSupply) {
   start();
-  hear(data_frame(0x205, {0x55, 0x00}));
+  receive(data_frame(0x205, {0x55, 0x00}));
   force(0x6200, 1, 7);
-  hear(data_frame(0x000, {0x81, 0x05}));
+  receive(data_frame(0x000, {0x81, 0x05}));
   EXPECT_EQ(value(0x6200, 1), 7U);
-  hear(data_frame(0x000, {0x82, 0x05}));
+  receive(data_frame(0x000, {0x82, 0x05}));
   EXPECT_EQ(value(0x6200, 1), 7U);
   device_.power_off();
   device_.power_on(now_);
@@ -236,9 +236,9 @@ TEST_F(DeviceForce, ItOutlivesResetsAndTheSupply) {
 
 TEST_F(DeviceForce, AResetOfTheCommunicationLeavesWhatIsBeneath) {
   start();
-  hear(data_frame(0x205, {0x55, 0x00}));
+  receive(data_frame(0x205, {0x55, 0x00}));
   force(0x6200, 1, 7);
-  hear(data_frame(0x000, {0x82, 0x05}));
+  receive(data_frame(0x000, {0x82, 0x05}));
   device_.release(entry(0x6200, 1), now_);
   EXPECT_EQ(value(0x6200, 1), 0x55U);
 }
@@ -249,8 +249,8 @@ TEST_F(DeviceForce, OnlyNumbersOfTheProcessAreForced) {
     return found ? std::string("taken") : found.error();
   };
   EXPECT_EQ(why(0x6000, 1), "taken");
-  EXPECT_EQ(why(0x6000, 9), "the device has no object 6000H:09");
-  EXPECT_EQ(why(0x1017, 0), "1017H:00 configures the node; expected a process value, 2000H to FFFFH");
+  EXPECT_EQ(why(0x6000, 9), "the device has no object 6000:09");
+  EXPECT_EQ(why(0x1017, 0), "1017:00 configures the node; expected a process value, 2000H to FFFFH");
 }
 
 TEST_F(DeviceForce, AStepAtAMomentComesToTheNanosecond_AndIsHeldAsLong) {
@@ -274,7 +274,7 @@ TEST_F(DeviceForce, AStepComesWhileTheDeviceIsOff) {
 TEST_F(DeviceForce, AConditionActsWheneverItBecomesTrue) {
   device_.add_script_step(set_when({entry(0x6200, 1), Comparison::greater_or_equal, 3}, 0x80, 200ms));
   start();
-  const auto output = [&](std::uint8_t value_now) { hear(data_frame(0x205, {value_now, 0})); };
+  const auto output = [&](std::uint8_t value_now) { receive(data_frame(0x205, {value_now, 0})); };
   output(2);
   EXPECT_THAT(tpdos_, IsEmpty());
   run_until(1s);
@@ -372,14 +372,14 @@ TEST_F(DeviceForce, APlaybackThatRepeatsHoldsItsLastRowUntilTheFirst) {
 TEST_F(DeviceForce, APlaybackComesBackAfterAReset) {
   ASSERT_EQ(device_.add_playback(rows({entry(0x6000, 1)}, {{0s, {9}}})), std::nullopt);
   start();
-  hear(data_frame(0x000, {0x81, 0x05}));
+  receive(data_frame(0x000, {0x81, 0x05}));
   EXPECT_EQ(value(0x6000, 1), 9U);
 }
 
 TEST_F(DeviceForce, OneObjectHasOneMover) {
   count(0x6000, 1);
   EXPECT_EQ(device_.add_playback(rows({entry(0x6000, 1)}, {{0s, {9}}})),
-            "6000H:01 moves already, by a behaviour or another file");
+            "6000:01 moves already, by a behaviour or another file");
 }
 
 }  // namespace

@@ -53,10 +53,10 @@ struct SampledDevice : can::Sink {
   }
   void start() {
     device.power_on(now);
-    hear(data_frame(0x000, {0x01, 0x05}));
+    receive(data_frame(0x000, {0x01, 0x05}));
     sent.clear();
   }
-  void hear(const Frame& frame) { device.receive(frame, now); }
+  void receive(const Frame& frame) { device.receive(frame, now); }
   void run_until(Time end) {
     for (; device.deadline() <= end; ++ticks) {
       now = device.deadline();
@@ -68,7 +68,7 @@ struct SampledDevice : can::Sink {
 
   Time now{};
   sim::Device device;
-  std::vector<std::pair<Time, unsigned>> sent;            // of 6000H:01H, when
+  std::vector<std::pair<Time, unsigned>> sent;            // of 6000:01, when
   std::vector<std::pair<Time, unsigned>> sent_by_second;  // what TPDO 2 begins with
   unsigned ticks = 0;
 };
@@ -121,7 +121,7 @@ TEST(DeviceSampling, WhatAnSdoWritesThereLastsUntilTheNextSample) {
       std::nullopt);
   d.start();
   d.run_until(at(1004ms));
-  d.hear(data_frame(0x605, {0x2F, 0x00, 0x62, 0x01, 0x33, 0, 0, 0}));
+  d.receive(data_frame(0x605, {0x2F, 0x00, 0x62, 0x01, 0x33, 0, 0, 0}));
   const auto output = [&] { return d.device.node().dictionary().get<std::uint8_t>(0x6200, 1); };
   d.run_until(at(1009ms));
   EXPECT_EQ(output(), 0x33);
@@ -138,7 +138,7 @@ TEST(DeviceSampling, WhatAnRpdoWritesThereLastsUntilTheNextSample) {
       std::nullopt);
   d.start();
   d.run_until(at(1004ms));
-  d.hear(data_frame(0x205, {0x44, 0x55}));
+  d.receive(data_frame(0x205, {0x44, 0x55}));
   const auto output = [&] { return d.device.node().dictionary().get<std::uint8_t>(0x6200, 1); };
   EXPECT_EQ(output(), 0x44);
   d.run_until(at(1010ms));
@@ -154,12 +154,12 @@ struct TwoTpdos : SampledDevice {
     start();
     const auto low = static_cast<std::uint8_t>(index);
     const auto high = static_cast<std::uint8_t>(index >> 8);
-    hear(data_frame(0x605, {0x23, 0x01, 0x18, 0x01, 0x85, 0x02, 0, 0xC0}));
-    hear(data_frame(0x605, {0x2F, 0x01, 0x1A, 0x00, 0, 0, 0, 0}));
-    hear(data_frame(0x605, {0x23, 0x01, 0x1A, 0x01, 0x08, sub, low, high}));
-    hear(data_frame(0x605, {0x2F, 0x01, 0x1A, 0x00, 1, 0, 0, 0}));
-    hear(data_frame(0x605, {0x2F, 0x01, 0x18, 0x02, 0xFF, 0, 0, 0}));
-    hear(data_frame(0x605, {0x23, 0x01, 0x18, 0x01, 0x85, 0x02, 0, 0x40}));
+    receive(data_frame(0x605, {0x23, 0x01, 0x18, 0x01, 0x85, 0x02, 0, 0xC0}));
+    receive(data_frame(0x605, {0x2F, 0x01, 0x1A, 0x00, 0, 0, 0, 0}));
+    receive(data_frame(0x605, {0x23, 0x01, 0x1A, 0x01, 0x08, sub, low, high}));
+    receive(data_frame(0x605, {0x2F, 0x01, 0x1A, 0x00, 1, 0, 0, 0}));
+    receive(data_frame(0x605, {0x2F, 0x01, 0x18, 0x02, 0xFF, 0, 0, 0}));
+    receive(data_frame(0x605, {0x23, 0x01, 0x18, 0x01, 0x85, 0x02, 0, 0x40}));
     run_until(at(105ms));
     sent_by_second.clear();
   }
@@ -167,7 +167,7 @@ struct TwoTpdos : SampledDevice {
 
 TEST(DeviceSampling, WhatAnRpdoWritesInAnotherTpdoIsSentWithTheNextStep) {
   TwoTpdos d(0x6200, 1);
-  d.hear(data_frame(0x205, {0x44, 0x55}));
+  d.receive(data_frame(0x205, {0x44, 0x55}));
   d.run_until(at(205ms));
   EXPECT_THAT(d.sent, ElementsAre(std::pair(at(50ms), 1U), std::pair(at(100ms), 2U), std::pair(at(150ms), 3U),
                                   std::pair(at(200ms), 4U)));
@@ -191,7 +191,7 @@ TEST(DeviceSampling, WhatIsWrittenBeneathAForcedValueIsNotTakenForTheBehaviours)
   const auto entry = *d.device.process_value(0x6200, 1);
   d.device.force(entry, 0x33, can::never, d.now);
   d.run_until(at(1004ms));
-  d.hear(data_frame(0x605, {0x2F, 0x00, 0x62, 0x01, 0x33, 0, 0, 0}));
+  d.receive(data_frame(0x605, {0x2F, 0x00, 0x62, 0x01, 0x33, 0, 0, 0}));
   ASSERT_TRUE(d.device.release(entry, d.now));
   EXPECT_EQ(d.device.node().dictionary().get<std::uint8_t>(0x6200, 1), 7);
 }
@@ -215,10 +215,10 @@ TEST(DeviceSampling, AConstantThatSomebodyWritesIsWhatItWasWithTheNextFrame) {
   ASSERT_EQ(d.device.add_behaviour({.kind = Behaviour::Kind::constant, .index = 0x6200, .sub = 1, .low = 7}),
             std::nullopt);
   d.start();
-  d.hear(data_frame(0x205, {0x44, 0x55}));
+  d.receive(data_frame(0x205, {0x44, 0x55}));
   d.run_until(at(10s));
   EXPECT_EQ(d.ticks, 0U);
-  d.hear(data_frame(0x000, {0x01, 0x05}));
+  d.receive(data_frame(0x000, {0x01, 0x05}));
   EXPECT_EQ(d.device.node().dictionary().get<std::uint8_t>(0x6200, 1), 7);
 }
 
@@ -229,9 +229,9 @@ TEST(DeviceSampling, StoppedAndStartedAgain_TheSamplesCountFromThere) {
             std::nullopt);
   d.start();
   d.run_until(at(50ms));
-  d.hear(data_frame(0x000, {0x80, 0x05}));
+  d.receive(data_frame(0x000, {0x80, 0x05}));
   d.run_until(at(194ms));
-  d.hear(data_frame(0x000, {0x01, 0x05}));
+  d.receive(data_frame(0x000, {0x01, 0x05}));
   d.sent.clear();
   d.run_until(at(210ms));
   EXPECT_THAT(d.sent, ElementsAre(std::pair(at(204ms), 2U)));

@@ -46,9 +46,9 @@ class DeviceTest : public testing::Test, public can::Sink {
   void power_on() { device_->power_on(now_); }
   void start() {
     power_on();
-    hear(data_frame(0x000, {0x01, 0x05}));
+    receive(data_frame(0x000, {0x01, 0x05}));
   }
-  void hear(const Frame& frame) { device_->receive(frame, now_); }
+  void receive(const Frame& frame) { device_->receive(frame, now_); }
   void run_until(Time end) {
     while (device_->deadline() <= end) {
       now_ = device_->deadline();
@@ -84,9 +84,9 @@ TEST_F(DeviceTest, PowerOn_SendsTheBootUpMessage) {
 TEST_F(DeviceTest, Sdo_AnswersWhatTheFileSays) {
   power_on();
   forget();
-  hear(data_frame(0x605, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0}));
-  hear(data_frame(0x605, {0x40, 0x00, 0x18, 0x01, 0, 0, 0, 0}));
-  hear(data_frame(0x605, {0x2B, 0x00, 0x10, 0x00, 0x01, 0x00, 0, 0}));
+  receive(data_frame(0x605, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0}));
+  receive(data_frame(0x605, {0x40, 0x00, 0x18, 0x01, 0, 0, 0, 0}));
+  receive(data_frame(0x605, {0x2B, 0x00, 0x10, 0x00, 0x01, 0x00, 0, 0}));
   EXPECT_THAT(sent_, ElementsAre(data_frame(0x585, {0x43, 0x00, 0x10, 0x00, 0x91, 0x01, 0x0F, 0x00}),
                                  data_frame(0x585, {0x43, 0x00, 0x18, 0x01, 0x85, 0x01, 0x00, 0x00}),
                                  data_frame(0x585, {0x80, 0x00, 0x10, 0x00, 0x02, 0x00, 0x01, 0x06})));
@@ -106,6 +106,43 @@ TEST_F(DeviceTest, OutsideOperational_NothingTicks) {
   EXPECT_EQ(device_->deadline(), can::never);
 }
 
+/// An application that sets its alarm from outside of its calls.
+class Waiting final : public sim::DeviceApplication {
+ public:
+  void start(sim::Device&, Time) override {}
+  bool act(sim::Device&, Time now) override {
+    if (alarm_ > now) return false;
+    acted_at.push_back(now);
+    alarm_.cancel();
+    return false;
+  }
+  can::Alarm& alarm() noexcept override { return alarm_; }
+
+  std::vector<Time> acted_at;
+
+ private:
+  can::Alarm alarm_;
+};
+
+TEST_F(DeviceTest, AlarmOfItsApplication_IsItsOwnWhileItIsOn) {
+  auto made = std::make_unique<Waiting>();
+  Waiting& application = *made;
+  device_->set_application(std::move(made));
+  application.alarm() = at(1s);
+  EXPECT_EQ(device_->deadline(), can::never) << "off";
+  power_on();
+  EXPECT_EQ(device_->deadline(), at(1s));
+  run_until(at(2s));
+  EXPECT_THAT(application.acted_at, ElementsAre(at(1s)));
+  application.alarm() = at(3s);
+  EXPECT_EQ(device_->deadline(), at(3s)) << "set outside of a call";
+  device_->power_off();
+  EXPECT_EQ(device_->deadline(), can::never);
+  power_on();
+  run_until(at(4s));
+  EXPECT_THAT(application.acted_at, ElementsAre(at(1s), at(3s)));
+}
+
 TEST_F(DeviceTest, Counter_SendsItsTpdoWithEachStep) {
   add({.kind = Behaviour::Kind::counter, .index = 0x6000, .sub = 1, .low = 0, .high = 2, .period = 100ms});
   start();
@@ -121,7 +158,7 @@ TEST_F(DeviceTest, Echo_FollowsItsSourceAtOnce) {
   start();
   forget();
   now_ = at(1234us);
-  hear(data_frame(0x205, {0xA5, 0x00}));
+  receive(data_frame(0x205, {0xA5, 0x00}));
   EXPECT_THAT(sent_, ElementsAre(data_frame(0x185, {0x00, 0xA5})));
 }
 
@@ -130,16 +167,16 @@ TEST_F(DeviceTest, Sdo_SeesTheValueOfNowInPreOperational) {
   power_on();
   forget();
   now_ = at(3500ms);
-  hear(data_frame(0x605, {0x40, 0x00, 0x60, 0x01, 0, 0, 0, 0}));
+  receive(data_frame(0x605, {0x40, 0x00, 0x60, 0x01, 0, 0, 0, 0}));
   EXPECT_THAT(sent_, ElementsAre(data_frame(0x585, {0x4F, 0x00, 0x60, 0x01, 13, 0, 0, 0})));
 }
 
 TEST_F(DeviceTest, Constant_SurvivesAReset) {
   add({.kind = Behaviour::Kind::constant, .index = 0x6401, .sub = 1, .low = -5});
   start();
-  hear(data_frame(0x000, {0x81, 0x05}));
+  receive(data_frame(0x000, {0x81, 0x05}));
   forget();
-  hear(data_frame(0x605, {0x40, 0x01, 0x64, 0x01, 0, 0, 0, 0}));
+  receive(data_frame(0x605, {0x40, 0x01, 0x64, 0x01, 0, 0, 0, 0}));
   EXPECT_THAT(sent_, ElementsAre(data_frame(0x585, {0x4B, 0x01, 0x64, 0x01, 0xFB, 0xFF, 0, 0})));
 }
 
@@ -147,7 +184,7 @@ TEST_F(DeviceTest, Stop_EndsTheSampling) {
   add({.kind = Behaviour::Kind::sine, .index = 0x6401, .sub = 1, .low = -100, .high = 100});
   start();
   EXPECT_NE(device_->deadline(), can::never);
-  hear(data_frame(0x000, {0x02, 0x05}));
+  receive(data_frame(0x000, {0x02, 0x05}));
   EXPECT_EQ(device_->deadline(), can::never);
 }
 
@@ -157,7 +194,7 @@ TEST_F(DeviceTest, PowerOff_IsSilence) {
   device_->power_off();
   forget();
   run_until(at(1s));
-  hear(data_frame(0x605, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0}));
+  receive(data_frame(0x605, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0}));
   EXPECT_THAT(sent_, IsEmpty());
 }
 
@@ -199,8 +236,8 @@ TEST_P(RefusedBehaviour, Behaviour_IsRefusedInWords) {
 
 INSTANTIATE_TEST_SUITE_P(
     Kinds, RefusedBehaviour,
-    testing::Values(BadBehaviour{{.index = 0x7000, .sub = 1}, "the device has no object 7000H:01"},
-                    BadBehaviour{{.index = 0x1008}, "1008H:00 is of type VISIBLE_STRING, not a number"},
+    testing::Values(BadBehaviour{{.index = 0x7000, .sub = 1}, "the device has no object 7000:01"},
+                    BadBehaviour{{.index = 0x1008}, "1008:00 is of type VISIBLE_STRING, not a number"},
                     BadBehaviour{
                         {.kind = Behaviour::Kind::sine, .index = 0x6000, .sub = 1, .low = 2, .high = 1},
                         "low must not be greater than high"},
@@ -213,7 +250,7 @@ INSTANTIATE_TEST_SUITE_P(
                                   .sub = 1,
                                   .source_index = 0x6411,
                                   .source_sub = 1},
-                                 "6000H:01 is of type UNSIGNED8, its source 6411H:01 of type INTEGER16: an "
+                                 "6000:01 is of type UNSIGNED8, its source 6411:01 of type INTEGER16: an "
                                  "echo needs equal types"}));
 
 TEST(BehaviourValue, Sine_GoesFromTheMiddleUp) {

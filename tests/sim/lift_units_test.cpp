@@ -24,7 +24,7 @@ using namespace std::chrono_literals;
 
 class LiftDrive : public testing::Test {
  protected:
-  std::uint16_t say(std::uint16_t control, can::Duration wait = 10ms) {
+  std::uint16_t command(std::uint16_t control, can::Duration wait = 10ms) {
     command_.control_word = control;
     return again(wait);
   }
@@ -34,9 +34,9 @@ class LiftDrive : public testing::Test {
     return drive_.status_word();
   }
   void enable() {
-    say(6);
-    say(7);
-    EXPECT_EQ(say(0xF) & 0x6F, 0x27);
+    command(6);
+    command(7);
+    EXPECT_EQ(command(0xF) & 0x6F, 0x27);
   }
   [[nodiscard]] double position() const { return drive_.motion(now_).position; }
   [[nodiscard]] double velocity() const { return drive_.motion(now_).velocity; }
@@ -48,16 +48,16 @@ class LiftDrive : public testing::Test {
 
 TEST_F(LiftDrive, StateMachine) {
   EXPECT_EQ(again(10ms), 0x0240);
-  EXPECT_EQ(say(0xF), 0x0240);  // shutdown comes first
-  EXPECT_EQ(say(6), 0x0231);
-  EXPECT_EQ(say(7), 0x0233);
-  EXPECT_EQ(say(0xF) & 0x02FF, 0x0237);
-  EXPECT_EQ(say(7), 0x0233);
-  EXPECT_EQ(say(6), 0x0231);
-  EXPECT_EQ(say(0xF) & 0x02FF, 0x0237);  // switch on and enable operation in one
-  EXPECT_EQ(say(0), 0x0240);
+  EXPECT_EQ(command(0xF), 0x0240);  // shutdown comes first
+  EXPECT_EQ(command(6), 0x0231);
+  EXPECT_EQ(command(7), 0x0233);
+  EXPECT_EQ(command(0xF) & 0x02FF, 0x0237);
+  EXPECT_EQ(command(7), 0x0233);
+  EXPECT_EQ(command(6), 0x0231);
+  EXPECT_EQ(command(0xF) & 0x02FF, 0x0237);  // switch on and enable operation in one
+  EXPECT_EQ(command(0), 0x0240);
   enable();
-  EXPECT_EQ(say(2, 0ms), 0x0217);  // quick stop, at rest already
+  EXPECT_EQ(command(2, 0ms), 0x0217);  // quick stop, at rest already
   EXPECT_EQ(again(20ms), 0x0240);
 }
 
@@ -66,27 +66,27 @@ TEST_F(LiftDrive, ProfilePosition) {
   command_.target_position = 10'000;
   EXPECT_EQ(again(50ms) & 0x1400, 0);  // a target alone is none
   EXPECT_EQ(velocity(), 0);
-  EXPECT_EQ(say(0x1F) & 0x1400, 0x1000);
-  EXPECT_EQ(say(0x0F, 1s) & 0x1400, 0);
+  EXPECT_EQ(command(0x1F) & 0x1400, 0x1000);
+  EXPECT_EQ(command(0x0F, 1s) & 0x1400, 0);
   EXPECT_GT(velocity(), 100);
   EXPECT_EQ(again(11s) & 0x1400, 0x0400);
   EXPECT_EQ(position(), 10'000);
   // Relative, and changed at once on the way.
   command_.target_position = -2000;
-  say(0x5F);
+  command(0x5F);
   again(500ms);
-  say(0x0F);
+  command(0x0F);
   command_.target_position = 9'500;
-  say(0x3F);
+  command(0x3F);
   EXPECT_EQ(again(10s) & 0x0400, 0x0400);
   EXPECT_EQ(position(), 9'500);
   // Without bit 5 it waits for its turn.
-  say(0x0F);
+  command(0x0F);
   command_.target_position = 5'000;
-  say(0x1F);
-  say(0x0F);
+  command(0x1F);
+  command(0x0F);
   command_.target_position = 6'000;
-  EXPECT_EQ(say(0x1F, 100ms) & 0x1400, 0x1000);
+  EXPECT_EQ(command(0x1F, 100ms) & 0x1400, 0x1000);
   again(6s);
   EXPECT_LT(position(), 6'000);
   again(6s);
@@ -94,8 +94,8 @@ TEST_F(LiftDrive, ProfilePosition) {
   // Beyond the end, and faster than it can.
   command_.target_position = 30'000;
   command_.profile_velocity = 5'000;
-  say(0x0F);
-  EXPECT_EQ(say(0x1F) & 0x0800, 0x0800);
+  command(0x0F);
+  EXPECT_EQ(command(0x1F) & 0x0800, 0x0800);
   again(30s);
   EXPECT_EQ(position(), 20'000);
 }
@@ -107,11 +107,11 @@ TEST_F(LiftDrive, ProfileVelocity_Halt_QuickStop) {
   command_.target_velocity = 500;
   EXPECT_EQ(again(2s) & 0x0400, 0x0400);
   EXPECT_EQ(velocity(), 500);
-  EXPECT_EQ(say(0x10F, 2s) & 0x0400, 0x0400);
+  EXPECT_EQ(command(0x10F, 2s) & 0x0400, 0x0400);
   EXPECT_EQ(velocity(), 0);
-  say(0x0F, 2s);
+  command(0x0F, 2s);
   EXPECT_EQ(velocity(), 500);
-  EXPECT_EQ(say(2, 50ms) & 0x6F, 0x07);
+  EXPECT_EQ(command(2, 50ms) & 0x6F, 0x07);
   EXPECT_GT(velocity(), 0);
   EXPECT_EQ(again(2s), 0x0240);
   EXPECT_EQ(velocity(), 0);
@@ -123,16 +123,16 @@ TEST_F(LiftDrive, ProfileVelocity_Halt_QuickStop) {
 TEST_F(LiftDrive, Fault_EndsByItsResetAlone) {
   enable();
   command_.target_position = 10'000;
-  say(0x1F, 2s);
+  command(0x1F, 2s);
   drive_.fail(true, now_);
   EXPECT_EQ(again(10ms) & 0x4F, 0x0F);
   EXPECT_EQ(again(3s) & 0x4F, 0x08);
   const double stopped = position();
-  EXPECT_EQ(say(0x80) & 0x4F, 0x08);  // it is broken still
+  EXPECT_EQ(command(0x80) & 0x4F, 0x08);  // it is broken still
   drive_.repaired();
   EXPECT_EQ(again(10ms) & 0x4F, 0x08);  // the edge counts
-  say(0);
-  EXPECT_EQ(say(0x80), 0x0240);
+  command(0);
+  EXPECT_EQ(command(0x80), 0x0240);
   EXPECT_EQ(position(), stopped);
 }
 

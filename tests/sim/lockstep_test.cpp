@@ -74,7 +74,7 @@ TEST(Lockstep, ReceiversOfAFrame_AreSampledByTheFirstOfThem) {
   Receivers four(4);
   four.run(1);  // SOF
   four.lockstep.form_lockstep();
-  EXPECT_EQ(four.lockstep.leader(), &four.port(1));
+  EXPECT_EQ(four.lockstep.leaders(), Ports{&four.port(1)});
   EXPECT_EQ(four.lockstep.sampling(), (Ports{&four.port(0), &four.port(1)}));
   EXPECT_FALSE(Lockstep::is_follower(four.port(1)));
   EXPECT_TRUE(Lockstep::is_follower(four.port(2)));
@@ -85,7 +85,7 @@ TEST(Lockstep, ASingleReceiver_NeedsNone) {
   Receivers two(2);
   two.run(1);
   two.lockstep.form_lockstep();
-  EXPECT_EQ(two.lockstep.leader(), nullptr);
+  EXPECT_TRUE(two.lockstep.leaders().empty());
   EXPECT_EQ(two.lockstep.sampling(), (Ports{&two.port(0), &two.port(1)}));
 }
 
@@ -100,7 +100,7 @@ TEST(Lockstep, AtEveryBitOfAFrame_ASplitLeavesEachReceiverWhereItWouldBeAlone) {
     alone.run(together);
     joined.run(together);
     joined.lockstep.split_lockstep();
-    EXPECT_EQ(joined.lockstep.leader(), nullptr);
+    EXPECT_TRUE(joined.lockstep.leaders().empty());
     ASSERT_EQ(joined.lockstep.sampling().size(), 4U);
     for (unsigned bit = together; bit <= bits; ++bit) {
       for (std::size_t index = 0; index < 4; ++index) {
@@ -148,7 +148,7 @@ TEST(Lockstep, AReceiverThatIsOrWillBeDifferent_StaysOutside) {
     all.run(1);
     difference.make(all);
     all.lockstep.form_lockstep();
-    EXPECT_EQ(all.lockstep.leader(), &all.port(1));
+    EXPECT_EQ(all.lockstep.leaders(), Ports{&all.port(1)});
     EXPECT_EQ(all.lockstep.sampling(), (Ports{&all.port(0), &all.port(1), &all.port(2)}));
     EXPECT_TRUE(Lockstep::is_follower(all.port(3)));
   }
@@ -173,7 +173,7 @@ TEST(Lockstep, ADeadlineThatMovesTheLeader_MovesItsFollowers) {
   all.lockstep.form_lockstep();
   all.port(0).phase.next = can::Time(can::Duration(3));
   all.port(1).phase.next = can::Time(can::Duration(7));
-  all.lockstep.copy_deadline();
+  all.lockstep.copy_deadline(all.port(1));
   EXPECT_EQ(all.port(0).phase.next, can::Time(can::Duration(3)));
   EXPECT_EQ(all.port(2).phase.next, can::Time(can::Duration(7)));
   EXPECT_EQ(all.port(3).phase.next, can::Time(can::Duration(7)));
@@ -211,7 +211,7 @@ TEST(Lockstep, ABitOfTheLeader_IsReportedOfItsFollowersWhenItDiffersFromTheLast)
   all.lockstep.form_lockstep();
   const auto report = [&all](bool dominant) {
     all.port(1).phase.set_output(dominant);
-    all.lockstep.report_bit(can::Time{});
+    all.lockstep.report_bit(all.port(1), can::Time{});
   };
   report(false);
   EXPECT_EQ(outputs.fields, 2);  // of the two followers, which have just joined

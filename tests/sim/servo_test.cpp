@@ -445,13 +445,13 @@ TEST_F(ServoTest, ADriveWithoutItsObjects_IsRefused) {
   const auto file = eds::read_device_file(std::string(std::istreambuf_iterator<char>(stream), {})).file;
   const auto servo = sim::Servo::make(*file->dictionary, {});
   ASSERT_FALSE(servo.has_value());
-  EXPECT_EQ(servo.error(), "a drive needs the object 6040H:00");
+  EXPECT_EQ(servo.error(), "a drive needs the object 6040:00");
 }
 
 TEST_F(ServoTest, NothingElseMovesItsObjects) {
   make();
   EXPECT_EQ(device_->add_behaviour({.kind = sim::Behaviour::Kind::constant, .index = 0x6064}),
-            "6064H:00 is moved by the device itself");
+            "6064:00 is moved by the device itself");
   EXPECT_EQ(device_->add_behaviour({.kind = sim::Behaviour::Kind::constant, .index = 0x6071}), std::nullopt);
 }
 

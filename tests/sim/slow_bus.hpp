@@ -102,7 +102,7 @@ class Bus {
     for (Node& node : nodes) {
       if (node.phase != Phase::idle || node.waiting.empty() || node.listen_only) continue;
       begin(node, slot);
-      take(node);
+      sample(node);
       begins = true;
     }
     if (begins) {
@@ -144,7 +144,7 @@ class Bus {
     node.is_overload = false;
     node.start = slot;
   }
-  static void take(Node& node) {
+  static void sample(Node& node) {
     node.transmitter = true;
     node.out = node.waiting.front().first;
     node.current = node.waiting.front().second;
@@ -246,7 +246,7 @@ class Bus {
         if (node.bits < 3) return enter(node, Phase::overload_flag);
         begin(node, slot);  // the SOF of somebody else, which counts as its own
         see_frame(node, level, slot, complete);
-        if (!suspends && !node.waiting.empty() && !node.listen_only) take(node);
+        if (!suspends && !node.waiting.empty() && !node.listen_only) sample(node);
         return;
       }
     }

@@ -103,7 +103,7 @@ inline std::string difference(const Moments& read, const Moments& reported) {
   for (const auto& [time, values] : reported) times[time] = true;
   for (const auto& [time, unused] : times) {
     std::map<std::string, bool> changed;
-    const auto take = [&](const Moments& from, Values& into) {
+    const auto collect = [&](const Moments& from, Values& into) {
       const auto found = from.find(time);
       if (found == from.end()) return;
       for (const auto& [name, value] : found->second) {
@@ -112,8 +112,8 @@ inline std::string difference(const Moments& read, const Moments& reported) {
         changed[name] = true;
       }
     };
-    take(read, have);
-    take(reported, want);
+    collect(read, have);
+    collect(reported, want);
     if (changed.contains("field")) {
       for (const auto& [name, value] : want) {
         if (name.ends_with("_field")) changed[name] = true;

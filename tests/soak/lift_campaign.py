@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Many seeds of passengers for the lift program of examples/lift: everyone arrives, and nothing is unsafe.
 
-usage: lift_campaign.py [--seeds 1000] [--first 1] [--jobs 2] [--passengers 20] [--minutes 4] [--program build/canopus]
+usage: lift_campaign.py [--seeds 1000] [--first 1] [--jobs 2] [--passengers 20] [--minutes 4] [--program build/canopus] [--structured-text]
+
+With --structured-text the PLC's own program (lifts.st) controls the lifts, instead of program.py.
 
 Each seed is a run of the example's plant in virtual time with its own passengers. Prints a line every 50 seeds, each run that is not
 good with what the lift program said, and at the end the count, waiting times and the time of the whole campaign. Exit code 1 when a run
@@ -9,6 +11,7 @@ was not good.
 """
 import argparse
 import concurrent.futures
+import json
 import os
 import pathlib
 import re
@@ -22,9 +25,13 @@ EXAMPLE = ROOT / "examples" / "lift"
 SUMMARY = re.compile(r"(\d+) of (\d+) passengers arrived after (\d+) s; waiting ([\d.]+) s \(at most ([\d.]+) s\)")
 
 
-def plant(folder, passengers, minutes):
+UNSAFE = ("door_open_between_floors", "door_open_while_moving", "overload_travels", "overspeeds")
+
+
+def plant(folder, passengers, minutes, structured_text):
     """The example's plant with other passengers, whose seed is the plant's."""
-    text = (EXAMPLE / "plant.toml").read_text()
+    text = (EXAMPLE / ("programmed.toml" if structured_text else "plant.toml")).read_text()
+    text = text.replace('"lifts.st"', f'"{EXAMPLE}/lifts.st"')
     text = re.sub(r"(?m)^\[lift\.passengers\]\n(?:.+\n)*",
                   f'[lift.passengers]\ncount = {passengers}\nfrom = "10s"\nuntil = "{10 + 60 * minutes:g}s"\n', text)
     path = pathlib.Path(folder) / "plant.toml"
@@ -32,7 +39,26 @@ def plant(folder, passengers, minutes):
     return path
 
 
+def run_program_of_the_plc(seed, path, arguments):
+    """Until everyone had five minutes more than the last one to come; the result as program.py words it."""
+    end = 10 + 60 * arguments.minutes + 300
+    done = subprocess.run([str(arguments.program), "run", str(path), "--virtual", "--for", f"{end:g}s", "--seed", str(seed), "--json"],
+                          capture_output=True, text=True, timeout=1800)
+    events = [json.loads(line) for line in done.stdout.splitlines() if '"summary"' in line or '"event":"error"' in line]
+    text = "".join(f"{event['source']}: {event['message']}\n" for event in events if event["event"] == "error") + done.stderr
+    good = done.returncode == 0 and not text
+    for lifts in events[-1]["lifts"] if events and events[-1]["event"] == "summary" else []:
+        text += (f"{lifts['arrived']} of {lifts['passengers']} passengers arrived after {end:.0f} s; "
+                 f"waiting {lifts['mean_waiting']:.1f} s (at most {lifts['longest_waiting']:.1f} s)\n")
+        unsafe = {name: sum(car[name] for car in lifts["cars"]) for name in UNSAFE}
+        text += "".join(f"UNSAFE: {count} {name}\n" for name, count in unsafe.items() if count)
+        good = good and lifts["arrived"] == lifts["passengers"] and not any(unsafe.values())
+    return seed, 0 if good else 1, text
+
+
 def run(seed, path, arguments):
+    if arguments.structured_text:
+        return run_program_of_the_plc(seed, path, arguments)
     command = [sys.executable, EXAMPLE / "program.py", "--plant", path, "--seed", str(seed), "--scan", "0.1",
                "--until", str(10 + 60 * arguments.minutes)]
     environment = {**os.environ, "CANOPUS_PROGRAM": str(pathlib.Path(arguments.program).resolve())}
@@ -48,12 +74,13 @@ def main():
     parser.add_argument("--passengers", type=int, default=20)
     parser.add_argument("--minutes", type=float, default=4)
     parser.add_argument("--program", default=ROOT / "build" / "canopus")
+    parser.add_argument("--structured-text", action="store_true", help="the PLC's own program controls the lifts")
     arguments = parser.parse_args()
     begin = time.monotonic()
     arrived = passengers = seconds = bad = 0
     waiting, longest, done = 0.0, 0.0, 0
     with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
-        path = plant(folder, arguments.passengers, arguments.minutes)
+        path = plant(folder, arguments.passengers, arguments.minutes, arguments.structured_text)
         seeds = range(arguments.first, arguments.first + arguments.seeds)
         for seed, code, text in pool.map(lambda seed: run(seed, path, arguments), seeds):
             done += 1

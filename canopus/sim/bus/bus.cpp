@@ -125,6 +125,25 @@ void Bus::set_line(const Line& line) {
 BusLoad Bus::load(can::Time now) const {
   return impl_->core.statistics.load(now, {impl_->near.busy_since(), impl_->far.busy_since()});
 }
+
+std::vector<BusSide> Bus::sides(can::Time now) const {
+  BusCore& core = impl_->core;
+  const bool is_cut = std::ranges::any_of(core.plan.timed_faults(), [](const FaultPlan::TimedFault& timed) {
+    return timed.active && timed.fault.kind == FaultKind::cut;
+  });
+  if (!is_cut) return {};
+  const BusLoad all = load(now);
+  const BusLoad far = core.far_statistics.load(now, {impl_->far.busy_since()});
+  std::vector<BusSide> sides{{.now = std::max(all.now - far.now, 0.0),
+                              .frames = all.frames - far.frames,
+                              .error_frames = all.error_frames - far.error_frames},
+                             {.now = far.now, .frames = far.frames, .error_frames = far.error_frames}};
+  for (const auto& port : core.ports) {
+    if (port->plugged()) sides[impl_->far.has(*port) ? 1 : 0].ports.push_back(port->name());
+  }
+  return sides;
+}
+
 std::uint64_t Bus::frames_of(std::uint32_t identifier, bool extended) const {
   return impl_->core.statistics.frames_of(identifier, extended);
 }
@@ -143,11 +162,24 @@ std::expected<void, std::string> Bus::set_faults(const std::vector<Fault>& fault
   if (!plan) return std::unexpected(plan.error());
   impl_->faults.end_all(core.timeline.now());
   core.plan = std::move(*plan);
-  core.had_faults = core.had_faults || !faults.empty();
-  impl_->near.clear_faults();
-  impl_->far.clear_faults();
+  if (!core.had_faults && !faults.empty()) {
+    core.had_faults = true;
+    if (impl_->far.deadline < core.timeline.now()) {  // without faults the far side has no ticks
+      impl_->far.before_change();
+      impl_->far.after_change();
+    }
+  }
+  impl_->near.cancel_faults();
+  impl_->far.cancel_faults();
   core.deadline_changed();
   return {};
+}
+
+bool Bus::end_fault(std::size_t number) {
+  BusCore& core = impl_->core;
+  const bool is_ended = impl_->faults.end(number, core.timeline.now());
+  core.deadline_changed();
+  return is_ended;
 }
 
 std::vector<FaultState> Bus::fault_states() const { return impl_->core.plan.states(); }

@@ -33,6 +33,14 @@ using can::Port;
 using can::PortCounters;
 using can::TransmitOrder;
 
+/// One side of a cut wire.
+struct BusSide {
+  std::vector<std::string> ports{};  ///< that are plugged there
+  double now = 0;                    ///< as in BusLoad
+  std::uint64_t frames = 0;          ///< near: of the bus without those that were ever on the far side
+  std::uint64_t error_frames = 0;
+};
+
 class Bus final : public can::Bus {
  public:
   /// bit_rate in bit/s. Adds itself to the timeline, which must outlive the bus.
@@ -59,6 +67,9 @@ class Bus final : public can::Bus {
   std::expected<void, std::string> set_faults(const std::vector<Fault>& faults, std::uint64_t seed);
   /// Of each fault, in the order of set_faults().
   [[nodiscard]] std::vector<FaultState> fault_states() const;
+  /// Ends the fault of this number in the list of set_faults(), counted from 0; the others go on, and fault_states() keeps
+  /// its place. False: there is no such fault, or it is one of raw levels that no frame begins (FaultKind::drive).
+  bool end_fault(std::size_t number);
   /// Whether one of the faults cuts the wire, now or later.
   [[nodiscard]] bool can_be_cut() const noexcept;
   /// Of which the times of all that the bus does are multiples, if its participants act at multiples of it: bits, sample
@@ -71,6 +82,8 @@ class Bus final : public can::Bus {
   /// anew. `line.timing` must have no problem().
   void set_line(const Line& line);
   [[nodiscard]] BusLoad load(can::Time now) const override;
+  /// While the wire is cut the near side, then the far side; else nothing.
+  [[nodiscard]] std::vector<BusSide> sides(can::Time now) const;
   [[nodiscard]] std::uint64_t frames_of(std::uint32_t identifier, bool extended = false) const override;
 
  private:

@@ -58,6 +58,17 @@ void FaultActions::end_all(can::Time now) {
   near_.drive({});
 }
 
+bool FaultActions::end(std::size_t number, can::Time now) {
+  bool is_ended = core_.plan.end_rules(number, now);
+  for (TimedFault& timed : core_.plan.timed_faults()) {
+    if (timed.number != number) continue;
+    is_ended = true;
+    if (timed.active) end(timed, now);
+    timed.fault.from = can::never;
+  }
+  return is_ended;
+}
+
 void FaultActions::release_delayed(can::Time now) {
   for (std::size_t number = 0; number < core_.delayed.size();) {
     const BusCore::Delayed delayed = core_.delayed[number];

@@ -18,6 +18,8 @@ class FaultActions {
   [[nodiscard]] can::Time next() const noexcept;
   /// Ends all faults that are active, before the bus gets other ones.
   void end_all(can::Time now);
+  /// Bus::end_fault()
+  bool end(std::size_t number, can::Time now);
 
  private:
   using TimedFault = FaultPlan::TimedFault;

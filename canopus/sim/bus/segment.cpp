@@ -10,7 +10,7 @@ void Segment::resize() {
 }
 
 void Segment::update_members() {
-  bits_.split_lockstep();
+  bits_.before_change();
   members.clear();
   for (const auto& port : core.ports) {
     if (!has(*port)) {
@@ -34,7 +34,7 @@ bool Segment::shows_bits() const noexcept {
 
 void Segment::before_change() {
   enter_bits();
-  bits_.split_lockstep();
+  bits_.before_change();
 }
 
 void Segment::after_change() {
@@ -51,6 +51,7 @@ void Segment::enter_bits() {
 
 /// Whole frames go on, if they can.
 bool Segment::leave_bits(can::Time now) {
+  if (!bits_.has_new_members()) return false;
   update_members();
   if (!frames_.are_possible()) return false;
   bits_.leave(now);
@@ -109,6 +110,13 @@ void Segment::set_termination(const Termination& termination) {
   before_change();
   bits_.levels().set_termination(termination);
   after_change();
+}
+
+void Segment::cancel_faults() {
+  const bool is_disturbed = mode == Mode::bits && faults.corruptions > 0;
+  if (is_disturbed) before_change();
+  clear_faults();
+  if (is_disturbed) after_change();
 }
 
 void Segment::move_in(BusPort& port, Segment& from) {

@@ -45,6 +45,8 @@ class Segment final : public Wire {
   /// Noise: what there is on the wire is inverted, or again as it is.
   void invert();
   void set_termination(const Termination& termination);
+  /// Nothing more is to happen to the frame on the wire.
+  void cancel_faults();
   /// The port comes from that segment and keeps what its controller is doing.
   void move_in(BusPort& port, Segment& from);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <iterator>
 
 namespace canopus::sim {
 namespace {
@@ -55,7 +56,7 @@ bool WholeFrames::start(can::Time now) {
   const bool shows_suspension =
       !core.wire_observers.empty() && port.faults.state() == can::ErrorState::error_passive;
   // A new state is reported at the sample point that it comes with, within the frame.
-  const bool changes_a_controller = healthy_ && counting_ && success_changes_a_controller(port);
+  const bool changes_a_controller = healthy_ && !counting_.empty() && success_changes_a_controller(port);
   if (wire.faults.corruptions > 0 || wire.arbiter.is_lowest_shared() || shows_suspension ||
       changes_a_controller) {
     port.requeue();
@@ -109,11 +110,11 @@ void WholeFrames::finish(can::Time now) {
   const can::Frame frame = port.current;
   const bool own = port.complete();
   const can::Time next = now + port.time_of(can::intermission_bits);
-  core.statistics.frame(frame);
-  core.statistics.busy(start_, next, bits_ + can::intermission_bits);
-  if (counting_) count_success(port);
+  wire.count_frame(frame);
+  wire.count_busy(start_, next, bits_ + can::intermission_bits);
+  if (!counting_.empty()) count_success(port);
   become_idle(next);
-  if (counting_ && port.faults.state() == can::ErrorState::error_passive) {
+  if (!port.faults.clean() && port.faults.state() == can::ErrorState::error_passive) {
     suspend(port, next + can::bit_time(suspend_bits, port.rate));
   }
   for (can::BusObserver* observer : core.observers) observer->frame_completed(frame, start_, now);
@@ -152,8 +153,7 @@ can::FaultConfinement WholeFrames::after_success(const BusPort& port,
 }
 
 bool WholeFrames::success_changes_a_controller(const BusPort& transmitter) const noexcept {
-  return std::ranges::any_of(wire_.members, [&](const BusPort* port) {
-    if (port->faults.clean()) return false;
+  return std::ranges::any_of(counting_, [&](const BusPort* port) {
     const can::FaultConfinement after = after_success(*port, transmitter);
     return after.state() != port->faults.state() || after.warning() != port->faults.warning();
   });
@@ -161,16 +161,14 @@ bool WholeFrames::success_changes_a_controller(const BusPort& transmitter) const
 
 /// None of them comes to another state: such a frame goes bit by bit.
 void WholeFrames::count_success(BusPort& transmitter) {
-  counting_ = false;
-  for (BusPort* port : wire_.members) {
-    if (port->faults.clean()) continue;
+  std::erase_if(counting_, [&](BusPort* port) {
     port->faults = after_success(*port, transmitter);
-    counting_ = counting_ || (!port->listen_only && !port->faults.clean());
-  }
+    return port->listen_only || port->faults.clean();
+  });
 }
 
 can::FaultConfinement WholeFrames::counters_of(const BusPort& port) const noexcept {
-  if (wire_.mode != Mode::frame || !counting_ || !port.present()) return port.faults;
+  if (wire_.mode != Mode::frame || counting_.empty() || !port.present()) return port.faults;
   const BusPort& sender = *transmitter_;
   const unsigned bits = &port == &sender ? bits_ : bits_ - after_ack_slot;  // up to the one that counts
   const can::Time sampled = start_ + sender.time_of(bits) - after_sample_point(sender.bit());
@@ -190,16 +188,16 @@ void WholeFrames::fail_lone(can::Time now) {
   lone_frame_failed_ = true;
   counters_before_failure_ = port.faults;
   if (!was_passive) port.faults.transmitter_error();
-  counting_ = true;
+  counting_ = {&port};
   ++port.counted.errors;
-  core.statistics.error_frame();
+  wire.count_error_frame();
   const bool passive = port.faults.state() == can::ErrorState::error_passive;
   const unsigned bits = error_flag_bits + error_delimiter_bits + can::intermission_bits;
   const can::Time end = now + after_sample_point(port.bit()) + can::bit_time(bits, port.rate);
   const can::Time next = passive ? end + can::bit_time(suspend_bits, port.rate) : end;
   port.requeue();
   wire.arbiter.set(port.index, port.offer());
-  core.statistics.busy(start_, end, bits_ - after_ack_slot + bits);
+  wire.count_busy(start_, end, bits_ - after_ack_slot + bits);
   become_idle(next);
   for (can::BusObserver* observer : core.observers) {
     observer->error_detected(port, BusError::acknowledgement, now);
@@ -254,7 +252,9 @@ unsigned WholeFrames::suspended_bits() const noexcept {
 }
 
 void WholeFrames::resume(can::Time now) {
-  for (const BusPort* port : wire_.members) counting_ = counting_ || !port->faults.clean();
+  counting_.clear();
+  std::ranges::copy_if(wire_.members, std::back_inserter(counting_),
+                       [](const BusPort* port) { return !port->faults.clean(); });
   become_idle(std::max(wire_.free_from, now));
 }
 
@@ -286,7 +286,7 @@ void WholeFrames::report_frame() {
                         .start = start_,
                         .bit = bit,
                         .sample_point = bit - after_sample_point(bit),
-                        .counting = counting_};
+                        .counting = !counting_.empty()};
   for (WireObserver* observer : wire_.core.wire_observers) observer->frame_passed(frame);
 }
 

@@ -70,7 +70,7 @@ class WholeFrames {
   WireState& wire_;
   bool healthy_ = false;            // frames can be computed as a whole
   bool lone_ = false;               // so can the failures of the only member
-  bool counting_ = false;           // some error counter is not 0
+  std::vector<BusPort*> counting_;  // the members with an error counter that is not 0
   bool lone_frame_failed_ = false;  // transmitter_ was alone with its last frame
   can::FaultConfinement counters_before_failure_;
   unsigned bits_ = 0;                       // of the frame on the wire

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "canopus/can/alarm.hpp"
 #include "canopus/can/time.hpp"
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
 
@@ -24,12 +25,13 @@ class DeviceApplication {
 
   /// The supply came, or the node was reset: objects hold their defaults, or what is stored.
   virtual void start(Device& device, can::Time now) = 0;
-  /// Before a frame is served, after everything that happens to the device, and at deadline(): reads the
+  /// Before a frame is served, after everything that happens to the device, and when its alarm is due: reads the
   /// objects and writes what follows from them (Device::put). A second call at the same moment changes
   /// nothing. Returns true when an effective value changed.
   virtual bool act(Device& device, can::Time now) = 0;
-  /// When it has something to do by itself; can::never without.
-  [[nodiscard]] virtual can::Time deadline() const noexcept = 0;
+  /// When it has something to do by itself. It sets it whenever that changes, also outside of the calls above. Without effect while the
+  /// device is off.
+  [[nodiscard]] virtual can::Alarm& alarm() noexcept = 0;
 };
 
 }  // namespace canopus::sim

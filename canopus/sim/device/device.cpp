@@ -9,7 +9,7 @@ using canopen::Entry;
 using canopen::NmtState;
 
 void Device::power_on(can::Time now) {
-  is_on_ = true;
+  if (!std::exchange(is_on_, true) && application_) alarm().add_part(application_->alarm());
   script_.restart();
   if (lss_) lss_->power_on(now);
   node_.power_on(now);
@@ -20,7 +20,7 @@ void Device::power_on(can::Time now) {
 }
 
 void Device::power_off() {
-  is_on_ = false;
+  if (std::exchange(is_on_, false) && application_) alarm().remove_part(application_->alarm());
   next_sample_ = can::never;
   is_sampling_ = false;
   next_row_ = can::never;
@@ -40,6 +40,7 @@ bool Device::release(const Entry& entry, can::Time now) {
 }
 
 bool Device::force_value(const Entry& entry, std::uint64_t value, can::Time until, can::Time now) {
+  if (forcing_.all().empty()) alarm().add_part(forcing_.alarm());
   const bool changed = forcing_.force(entry, value, until);
   update_fast_path();
   written_ = true;
@@ -53,6 +54,7 @@ bool Device::force_value(const Entry& entry, std::uint64_t value, can::Time unti
 bool Device::release_value(const Entry& entry, can::Time now) {
   if (!forcing_.is_forced(entry)) return false;
   const bool changed = forcing_.release(entry);
+  if (forcing_.all().empty()) alarm().remove_part(forcing_.alarm());
   update_fast_path();
   written_ = true;
   if (force_listener_ != nullptr) force_listener_->value_released(entry, now);
@@ -62,7 +64,7 @@ bool Device::release_value(const Entry& entry, can::Time now) {
 
 bool Device::release_due(can::Time now) {
   bool changed = false;
-  while (forcing_.deadline() <= now) {
+  while (forcing_.alarm() <= now) {
     const auto due =
         std::ranges::find_if(forcing_.all(), [&](const auto& force) { return force.until <= now; });
     const Entry entry = due->entry;  // which goes with the force
@@ -86,10 +88,10 @@ bool Device::carry_out(const ScriptStep& step, can::Time now) {
   return changed;
 }
 
-bool Device::look_at_conditions(can::Time now) {
+bool Device::evaluate_conditions(can::Time now) {
   if (script_.empty()) return false;
   bool changed = false;
-  script_.begin_look();
+  script_.begin_evaluation();
   while (const ScriptStep* step = script_.next_true(node_.dictionary())) {
     changed = carry_out(*step, now) || changed;
     changed = echo_values() || changed;
@@ -238,7 +240,7 @@ void Device::settle(can::Time now, bool moved) {
   if (is_on_ && (application_ || echoes_ || !script_.empty())) {
     moved = act(now) || moved;
     moved = echo_values() || moved;
-    moved = look_at_conditions(now) || moved;
+    moved = evaluate_conditions(now) || moved;
     // The application reads the values that a condition forces, too.
     if (!script_.empty()) moved = act(now) || moved;
   }
@@ -292,13 +294,6 @@ void Device::tick(can::Time now) {
   if (is_on_) moved = act(now) || moved;
   if (node_.deadline() <= now) node_.tick(now);
   if (moved || !is_passive()) settle(now, moved);
-}
-
-can::Time Device::own_deadline() const noexcept {
-  can::Time next = std::min(next_sample_, next_row_);
-  if (forcing_.deadline() < next) next = forcing_.deadline();
-  if (!script_.empty()) next = std::min(next, script_.deadline());
-  return application_ && is_on_ ? std::min(next, application_->deadline()) : next;
 }
 
 }  // namespace canopus::sim

@@ -60,6 +60,7 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   [[nodiscard]] std::optional<std::string> add_playback(Playback playback);
   /// Call it before power_on(); the entries are those of process_value().
   void add_script_step(const ScriptStep& step) {
+    if (script_.empty()) alarm().add_part(script_.alarm());
     script_.add(step);
     update_fast_path();
   }
@@ -121,8 +122,6 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   void receive(const can::Frame& frame, can::Time now) override;
   void controller_changed(can::Time now) override;
   void tick(can::Time now) override;
-  /// The deadline of the application has changed, and not inside a call of it.
-  void application_changed() noexcept { set_alarm(); }
 
  private:
   struct alignas(64) Motion {
@@ -171,11 +170,11 @@ class alignas(64) Device final : public can::Participant, private canopen::NodeL
   bool release_value(const canopen::Entry& entry, can::Time now);
   bool release_due(can::Time now);
   bool carry_out(const ScriptStep& step, can::Time now);
-  bool look_at_conditions(can::Time now);
+  bool evaluate_conditions(can::Time now);
 
-  /// Sets the alarm to the earliest deadline of the device and its node.
-  void set_alarm() noexcept { alarm() = has_fast_path_ ? next_sample_ : own_deadline(); }
-  [[nodiscard]] can::Time own_deadline() const noexcept;
+  // Its parts (node, LSS slave, application, script, forced values) have alarms of their own. The fast path does without the cache
+  // line of next_row_.
+  void set_alarm() noexcept { alarm() = has_fast_path_ ? next_sample_ : std::min(next_sample_, next_row_); }
   void settle(can::Time now, bool moved);
   void after_event(can::Time now, canopen::ValueMask moved);
 

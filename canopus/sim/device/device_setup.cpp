@@ -24,7 +24,7 @@ Device::Device(std::shared_ptr<const eds::DeviceFile> file, std::uint8_t node_id
 std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
   const canopen::DictionaryDescription& description = *file_->dictionary;
   const auto find = [&](std::uint16_t index, std::uint8_t sub, Entry& entry) -> std::optional<std::string> {
-    const std::string shown = eds::object_name(index, sub);
+    const std::string shown = eds::object_text(index, sub);
     entry = description.find(index, sub);
     if (!entry) return "the device has no object " + shown;
     if (!eds::is_number(entry.description->type)) {
@@ -42,9 +42,9 @@ std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
   for (const Playback& playback : playbacks_) {
     if (std::ranges::any_of(playback.entries(),
                             [&](const Entry& entry) { return same(entry, motion.target); }))
-      return eds::object_name(behaviour.index, behaviour.sub) + " is played back from a file already";
+      return eds::object_text(behaviour.index, behaviour.sub) + " is played back from a file already";
   }
-  const std::string shown = eds::object_name(behaviour.index, behaviour.sub);
+  const std::string shown = eds::object_text(behaviour.index, behaviour.sub);
   if (application_ && application_->owns(behaviour.index, behaviour.sub))
     return shown + " is moved by the device itself";
   switch (behaviour.kind) {
@@ -52,7 +52,7 @@ std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
       if (auto problem = find(behaviour.source_index, behaviour.source_sub, motion.source)) return problem;
       if (motion.source.description->type != motion.target.description->type) {
         return shown + " is of type " + std::string(eds::name(motion.target.description->type)) +
-               ", its source " + eds::object_name(behaviour.source_index, behaviour.source_sub) +
+               ", its source " + eds::object_text(behaviour.source_index, behaviour.source_sub) +
                " of type " + std::string(eds::name(motion.source.description->type)) +
                ": an echo needs equal types";
       }
@@ -90,7 +90,7 @@ void Device::update_fast_path() noexcept {
 }
 
 std::expected<Entry, std::string> Device::process_value(std::uint16_t index, std::uint8_t sub) const {
-  const std::string shown = eds::object_name(index, sub);
+  const std::string shown = eds::object_text(index, sub);
   const Entry entry = file_->dictionary->find(index, sub);
   if (!entry) return std::unexpected("the device has no object " + shown);
   if (index < 0x2000) {
@@ -114,7 +114,7 @@ std::optional<std::string> Device::add_playback(Playback playback) {
            });
   };
   for (const Entry& entry : playback.entries()) {
-    const std::string shown = eds::object_name(entry.index, entry.sub);
+    const std::string shown = eds::object_text(entry.index, entry.sub);
     if (const auto value = process_value(entry.index, entry.sub); !value) return value.error();
     if (moves(entry)) return shown + " moves already, by a behaviour or another file";
     if (application_ && application_->owns(entry.index, entry.sub))

@@ -33,7 +33,7 @@ bool Forcing::force(const Entry& entry, std::uint64_t value, can::Time until) {
   dictionary().set(entry, value);
   known->value = dictionary().get<std::uint64_t>(entry);
   known->until = until;
-  find_deadline();
+  set_alarm();
   return known->value != before;
 }
 
@@ -44,7 +44,7 @@ bool Forcing::release(const Entry& entry) {
   dictionary().set(entry, known->beneath);
   forces_.erase(known);
   if (forces_.empty()) node_.detach(*this);
-  find_deadline();
+  set_alarm();
   return changes;
 }
 
@@ -52,7 +52,7 @@ bool Forcing::put(const Entry& entry, std::uint64_t value) {
   if (!forces_.empty()) {
     if (const auto known = find(entry); known != forces_.end()) {
       dictionary().set(entry, value);
-      take(*known);
+      keep_beneath(*known);
       return false;
     }
   }
@@ -61,8 +61,8 @@ bool Forcing::put(const Entry& entry, std::uint64_t value) {
   return dictionary().get<std::uint64_t>(entry) != before;
 }
 
-/// Saves the value of the dictionary as the one beneath.
-void Forcing::take(Force& force) {
+/// The dictionary has another value than the forced one: it goes beneath.
+void Forcing::keep_beneath(Force& force) {
   force.beneath = dictionary().get<std::uint64_t>(force.entry);
   dictionary().set(force.entry, force.value);
 }
@@ -74,23 +74,24 @@ void Forcing::rpdo_received(std::uint16_t number) {
   for (std::uint8_t i = 1; i <= count && i <= 64; ++i) {
     const auto mapped = dictionary().get<std::uint32_t>(mapping, i);
     for (Force& force : forces_) {
-      if ((mapped >> 8) == (std::uint32_t{force.entry.index} << 8 | force.entry.sub)) take(force);
+      if ((mapped >> 8) == (std::uint32_t{force.entry.index} << 8 | force.entry.sub)) keep_beneath(force);
     }
   }
 }
 
 void Forcing::values_loaded() {
-  for (Force& force : forces_) take(force);
+  for (Force& force : forces_) keep_beneath(force);
 }
 
 // An SDO, or an MPDO. Before the other listeners of the write, so that no TPDO leaves with the value beneath.
 void Forcing::after_write(canopen::ObjectDictionary&, const Entry& entry, can::Time) {
-  if (const auto known = find(entry); known != forces_.end()) take(*known);
+  if (const auto known = find(entry); known != forces_.end()) keep_beneath(*known);
 }
 
-void Forcing::find_deadline() noexcept {
-  deadline_ = can::never;
-  for (const Force& force : forces_) deadline_ = std::min(deadline_, force.until);
+void Forcing::set_alarm() noexcept {
+  can::Time next = can::never;
+  for (const Force& force : forces_) next = std::min(next, force.until);
+  alarm_ = next;
 }
 
 }  // namespace canopus::sim

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "canopus/can/alarm.hpp"
 #include "canopus/canopen/node/node.hpp"
 
 namespace canopus::sim {
@@ -40,20 +41,20 @@ class Forcing final : public canopen::ObjectHandler {
   [[nodiscard]] std::span<const Force> all() const noexcept { return forces_; }
   [[nodiscard]] bool is_forced(const canopen::Entry& entry) const noexcept;
   /// When the next one ends by itself.
-  [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
 
  private:
   void after_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
                    can::Time now) override;
   std::vector<Force>::iterator find(const canopen::Entry& entry) noexcept;
-  void take(Force& force);
-  void find_deadline() noexcept;
+  void keep_beneath(Force& force);
+  void set_alarm() noexcept;
 
   [[nodiscard]] canopen::ObjectDictionary& dictionary() noexcept { return node_.dictionary(); }
 
   canopen::Node& node_;
   std::vector<Force> forces_;
-  can::Time deadline_ = can::never;
+  can::Alarm alarm_;
 };
 
 }  // namespace canopus::sim

@@ -61,14 +61,22 @@ void Script::add(const ScriptStep& step) {
   const auto place = std::ranges::upper_bound(timed_, step.at, {},
                                               [this](std::size_t other) { return states_[other].step.at; });
   timed_.insert(place, number);
+  set_alarm();
+}
+
+const ScriptStep* Script::next_due(can::Time now) {
+  if (alarm_ > now) return nullptr;
+  const ScriptStep& step = states_[timed_[next_timed_++]].step;
+  set_alarm();
+  return &step;
 }
 
 void Script::restart() noexcept {
   for (State& state : states_) state.held = false;
 }
 
-void Script::begin_look() noexcept {
-  for (State& state : states_) state.came = false;
+void Script::begin_evaluation() noexcept {
+  for (State& state : states_) state.returned = false;
 }
 
 const ScriptStep* Script::next_true(const canopen::ObjectDictionary& dictionary) {
@@ -76,8 +84,8 @@ const ScriptStep* Script::next_true(const canopen::ObjectDictionary& dictionary)
     State& state = states_[number];
     const bool held = state.held;
     state.held = state.step.when->holds(dictionary);
-    if (!state.held || held || state.came) continue;
-    state.came = true;
+    if (!state.held || held || state.returned) continue;
+    state.returned = true;
     return &state.step;
   }
   return nullptr;

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "canopus/can/alarm.hpp"
 #include "canopus/can/time.hpp"
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 
@@ -44,17 +45,14 @@ class Script {
   [[nodiscard]] bool empty() const noexcept { return states_.empty(); }
 
   /// Steps with a moment that has come, in the order of their moments and of add().
-  [[nodiscard]] const ScriptStep* next_due(can::Time now) {
-    return deadline() > now ? nullptr : &states_[timed_[next_timed_++]].step;
-  }
-  [[nodiscard]] can::Time deadline() const noexcept {
-    return next_timed_ == timed_.size() ? can::never : states_[timed_[next_timed_]].step.at;
-  }
+  [[nodiscard]] const ScriptStep* next_due(can::Time now);
+  /// When a step is due.
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
 
   /// Resets all conditions: one that holds already becomes true at the next evaluation.
   void restart() noexcept;
   /// Begins an evaluation: it returns each step at most once.
-  void begin_look() noexcept;
+  void begin_evaluation() noexcept;
   /// The next step of this evaluation whose condition was false the last time and holds now; nullptr: there
   /// is none, the evaluation is over. The effect of a step may make further conditions true.
   [[nodiscard]] const ScriptStep* next_true(const canopen::ObjectDictionary& dictionary);
@@ -62,13 +60,18 @@ class Script {
  private:
   struct State {
     ScriptStep step;
-    bool held = false;  // at the last evaluation
-    bool came = false;  // in this evaluation
+    bool held = false;      // at the last evaluation
+    bool returned = false;  // in this evaluation
   };
+  void set_alarm() noexcept {
+    alarm_ = next_timed_ == timed_.size() ? can::never : states_[timed_[next_timed_]].step.at;
+  }
+
   std::vector<State> states_;
   std::vector<std::size_t> timed_;        // steps with a moment, in its order
   std::vector<std::size_t> conditional_;  // steps with a condition
   std::size_t next_timed_ = 0;
+  can::Alarm alarm_;
 };
 
 }  // namespace canopus::sim

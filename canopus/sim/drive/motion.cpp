@@ -39,7 +39,7 @@ void Motion::add(double velocity, double acceleration) noexcept {
   last_.velocity = velocity;
 }
 
-void Motion::go_on_for(double seconds) noexcept {
+void Motion::extend(double seconds) noexcept {
   if (!(seconds > 0)) return;
   stretches_[count_++] = {.seconds = seconds, .acceleration = 0};
   last_.position += last_.velocity * seconds;
@@ -69,7 +69,7 @@ void Motion::move_to(double target, const MotionLimits& limits, can::Time now) n
   add(direction * peak, limits.acceleration);
   if (peak > 0) {
     const double left = std::abs(target - last_.position) - way_to_stop(peak, limits.deceleration);
-    go_on_for(left / peak);
+    extend(left / peak);
   }
   add(0, limits.deceleration);
   finish(target);

@@ -50,7 +50,7 @@ class Motion {
 
   void begin(can::Time now) noexcept;
   void add(double velocity, double acceleration) noexcept;
-  void go_on_for(double seconds) noexcept;
+  void extend(double seconds) noexcept;
   void finish(double position) noexcept;
 
   can::Time start_{};

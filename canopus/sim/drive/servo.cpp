@@ -41,7 +41,7 @@ std::expected<std::unique_ptr<Servo>, std::string> Servo::make(
   };
   for (const std::uint16_t index :
        std::initializer_list<std::uint16_t>{0x6040, 0x6041, 0x6060, 0x6061, 0x6064}) {
-    if (!find(index)) return std::unexpected("a drive needs the object " + eds::object_name(index, 0));
+    if (!find(index)) return std::unexpected("a drive needs the object " + eds::object_text(index, 0));
   }
   const Objects objects{.error_code = find(0x603F),
                         .controlword = find(0x6040),
@@ -78,6 +78,8 @@ std::expected<std::unique_ptr<Servo>, std::string> Servo::make(
 Servo::Servo(const Objects& objects, ServoSettings settings)
     : objects_(objects), settings_(std::move(settings)) {
   std::ranges::stable_sort(settings_.faults, {}, &ServoSettings::Fault::at);
+  constexpr std::size_t number_of_reasons = 5;
+  explained_.reserve(number_of_reasons);  // act() allocates nothing
   motion_.stand(settings_.start);
 }
 
@@ -101,13 +103,13 @@ void Servo::start(Device&, can::Time now) {
   acknowledged_ = halted_ = beyond_ = false;
   homing_ = Homing::never_done;
   error_ = reported_error_ = 0;
+  explained_.clear();
   on_ = true;
-  looked_ = now;
+  set_alarm(now);
 }
 
 bool Servo::act(Device& device, can::Time now) {
   if (!on_) return false;
-  looked_ = now;
   while (next_fault_ < settings_.faults.size() && settings_.faults[next_fault_].at <= now) {
     fail(settings_.faults[next_fault_++].code);
   }
@@ -115,21 +117,22 @@ bool Servo::act(Device& device, can::Time now) {
   const Asked asked{.word = word, .risen = static_cast<std::uint16_t>(word & ~word_)};
   word_ = word;
   change_state(device, asked, now);
-  take_mode(device, now);
+  change_mode(device, now);
   if (state_ == DriveState::operation_enabled) serve_mode(device, asked, now);
   obey_switches(device, now);
   const bool seen = show(device, word, now);
+  set_alarm(now);
+  explain_standstill(device, asked, now);
   return report(device, now) || seen;
 }
 
-can::Time Servo::deadline() const noexcept {
-  if (!on_) return can::never;
+void Servo::set_alarm(can::Time now) noexcept {
   can::Time next = next_fault_ < settings_.faults.size() ? settings_.faults[next_fault_].at : can::never;
-  if (motion_.moves(looked_)) {
-    next = std::min(next, can::later(looked_, sample_interval));
-    if (motion_.end() > looked_) next = std::min(next, motion_.end());
+  if (motion_.moves(now)) {
+    next = std::min(next, can::later(now, sample_interval));
+    if (motion_.end() > now) next = std::min(next, motion_.end());
   }
-  return next;
+  alarm_ = next;
 }
 
 MotionLimits Servo::limits(const Device& device, double speed, const Entry& acceleration) const {
@@ -156,7 +159,7 @@ void Servo::fail(std::uint16_t code) noexcept {
 }
 
 /// 6061H follows 6060H where 6502H allows it.
-void Servo::take_mode(const Device& device, can::Time now) {
+void Servo::change_mode(const Device& device, can::Time now) {
   const int asked = value<std::int8_t>(device, objects_.mode);
   const std::uint32_t supported = value<std::uint32_t>(device, objects_.supported_modes, 0x25);
   if (asked != 1 && asked != 3 && asked != 6) return;
@@ -304,6 +307,51 @@ bool Servo::show(Device& device, std::uint16_t word, can::Time now) {
   if (reacted) enter(device, DriveState::fault, now);
   seen = put(device, objects_.statusword, status(device, word, now)) || seen;
   return put(device, objects_.error_code, error_) || seen;
+}
+
+/// Empty: nothing that a program overlooks easily. `is_to_move`: a set point or a speed was given.
+std::string_view Servo::why_it_stands(const Device& device, bool is_to_move) const {
+  constexpr std::uint32_t simulated = 0b10'0101;
+  const std::uint32_t supported = value<std::uint32_t>(device, objects_.supported_modes, simulated);
+  if (state_ == DriveState::operation_enabled && (supported & simulated) == 0)
+    return "does not move: its 6502:00 (supported drive modes) has neither profile position nor profile "
+           "velocity "
+           "nor homing, so 6061:00 stays \"no mode\"";
+  if (!is_to_move) return {};
+  if (state_ != DriveState::operation_enabled) {
+    return "does not move: a set point or a speed comes while it is not enabled; expected 6040:00 = 6, 7 and "
+           "15 "
+           "one after the other, until 6041:00 shows \"operation enabled\"";
+  }
+  const int asked = value<std::int8_t>(device, objects_.mode);
+  if (mode_ == Mode::none && asked == 0)
+    return "does not move: 6060:00 (modes of operation) is 0, and no PDO or SDO selects a mode; expected 1 "
+           "(profile "
+           "position), 3 (profile velocity) or 6 (homing)";
+  if (mode_ == Mode::none)
+    return "does not move: 6060:00 (modes of operation) asks for a mode that is not simulated, or that "
+           "6502:00 does "
+           "not have; expected 1 (profile position), 3 (profile velocity) or 6 (homing)";
+  const bool has_no_speed =
+      mode_ == Mode::profile_position && value<std::uint32_t>(device, objects_.profile_speed) == 0;
+  if (has_no_speed)
+    return "does not move: 6081:00 (profile velocity) is 0, or the drive has no such object; expected a "
+           "speed";
+  return {};
+}
+
+void Servo::explain_standstill(const Device& device, const Asked& asked, can::Time now) {
+  if (!standstill_report_) return;
+  const bool is_velocity = mode_ == Mode::profile_velocity || mode_ == Mode::none;
+  const bool has_speed = is_velocity && value<std::int32_t>(device, objects_.target_velocity) != 0;
+  const bool has_set_point =
+      mode_ != Mode::profile_velocity && (asked.risen & controlword::new_set_point) != 0;
+  const bool is_enabled = state_ == DriveState::operation_enabled;
+  if (!has_set_point && !is_enabled) return;  // a speed may be there before the drive is enabled
+  const std::string_view why = why_it_stands(device, has_speed || has_set_point);
+  if (why.empty() || std::ranges::find(explained_, why) != explained_.end()) return;
+  explained_.push_back(why);
+  standstill_report_(why, now);
 }
 
 /// Emergency messages, once for each error and once when it is gone.

@@ -6,9 +6,12 @@
 
 #include <cstdint>
 #include <expected>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
@@ -42,11 +45,15 @@ class Servo final : public DeviceApplication {
   [[nodiscard]] static std::expected<std::unique_ptr<Servo>, std::string> make(
       const canopen::DictionaryDescription& description, ServoSettings settings);
 
+  /// Gets the sentence for each reason why the drive is to move and does not, once until the next start.
+  using StandstillReport = std::function<void(std::string_view reason, can::Time now)>;
+  void set_standstill_report(StandstillReport report) { standstill_report_ = std::move(report); }
+
   // DeviceApplication
   [[nodiscard]] bool owns(std::uint16_t index, std::uint8_t sub) const noexcept override;
   void start(Device& device, can::Time now) override;
   bool act(Device& device, can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override;
+  [[nodiscard]] can::Alarm& alarm() noexcept override { return alarm_; }
 
  private:
   enum class Mode : std::int8_t { none = 0, profile_position = 1, profile_velocity = 3, homing = 6 };
@@ -80,7 +87,8 @@ class Servo final : public DeviceApplication {
   [[nodiscard]] double quick_stop_deceleration(const Device& device) const;
   [[nodiscard]] double allowed_speed(const Device& device, double speed) const;
 
-  void take_mode(const Device& device, can::Time now);
+  void set_alarm(can::Time now) noexcept;
+  void change_mode(const Device& device, can::Time now);
   void change_state(const Device& device, const Asked& asked, can::Time now);
   void enter(const Device& device, DriveState state, can::Time now);
   void fail(std::uint16_t code) noexcept;
@@ -91,11 +99,13 @@ class Servo final : public DeviceApplication {
   void begin_homing(const Device& device, can::Time now);
   void end_homing(const Device& device, double home, can::Time now);
   void obey_switches(const Device& device, can::Time now);
-  void go_to_set_point(const Device& device, can::Time now);
+  void approach_set_point(const Device& device, can::Time now);
   [[nodiscard]] double index_from(double position, double direction) const noexcept;
   [[nodiscard]] std::uint16_t status(const Device& device, std::uint16_t word, can::Time now) const;
   bool show(Device& device, std::uint16_t word, can::Time now);
   bool report(Device& device, can::Time now);
+  void explain_standstill(const Device& device, const Asked& asked, can::Time now);
+  [[nodiscard]] std::string_view why_it_stands(const Device& device, bool is_to_move) const;
 
   Objects objects_;
   ServoSettings settings_;
@@ -121,7 +131,9 @@ class Servo final : public DeviceApplication {
   std::size_t next_fault_ = 0;
   std::uint16_t error_ = 0;           // code, 0: none
   std::uint16_t reported_error_ = 0;  // by EMCY
-  can::Time looked_{};
+  StandstillReport standstill_report_;
+  std::vector<std::string_view> explained_;  // reasons that were reported
+  can::Alarm alarm_;
 };
 
 }  // namespace canopus::sim

@@ -20,7 +20,7 @@ constexpr int low_switch_and_index = 1, high_switch_and_index = 2, low_switch = 
 
 }  // namespace
 
-void Servo::go_to_set_point(const Device& device, can::Time now) {
+void Servo::approach_set_point(const Device& device, can::Time now) {
   const double speed = allowed_speed(device, value<std::uint32_t>(device, objects_.profile_speed));
   if (speed <= 0) return motion_.stop(limits(device, 0, objects_.acceleration).deceleration, now);
   motion_.move_to(origin_ + set_point_, limits(device, speed, objects_.acceleration), now);
@@ -41,7 +41,7 @@ void Servo::serve_position(const Device& device, const Asked& asked, can::Time n
       next_set_point_ = target;
     } else {
       set_point_ = target;
-      if (!halted_) go_to_set_point(device, now);
+      if (!halted_) approach_set_point(device, now);
     }
   }
   const bool halt = (asked.word & controlword::halt) != 0;
@@ -50,12 +50,12 @@ void Servo::serve_position(const Device& device, const Asked& asked, can::Time n
     if (halt) {
       motion_.stop(limits(device, 0, objects_.acceleration).deceleration, now);
     } else {
-      go_to_set_point(device, now);
+      approach_set_point(device, now);
     }
   }
   if (next_set_point_ && !motion_.moves(now) && !halted_) {
     set_point_ = *std::exchange(next_set_point_, std::nullopt);
-    go_to_set_point(device, now);
+    approach_set_point(device, now);
   }
   if ((asked.word & controlword::new_set_point) == 0 && !next_set_point_) acknowledged_ = false;
 }

@@ -213,13 +213,13 @@ void Building::watch_doors(std::size_t number, can::Time now) {
                     .lift = settings_.lifts[number],
                     .floor = nearest_floor(car.drive.motion(now).position),
                     .door = static_cast<std::uint8_t>(i + 1)};
-    const auto say = [&](LiftEvent::Kind kind) {
+    const auto report_door = [&](LiftEvent::Kind kind) {
       event.kind = kind;
       report_event(event);
     };
-    if (door.is_open() && !car.was_open[i]) say(LiftEvent::Kind::door_opened);
-    if (door.is_closed() && !car.was_closed[i]) say(LiftEvent::Kind::door_closed);
-    if (door.reversals() != car.reversals[i]) say(LiftEvent::Kind::door_reversed);
+    if (door.is_open() && !car.was_open[i]) report_door(LiftEvent::Kind::door_opened);
+    if (door.is_closed() && !car.was_closed[i]) report_door(LiftEvent::Kind::door_closed);
+    if (door.reversals() != car.reversals[i]) report_door(LiftEvent::Kind::door_reversed);
     car.was_open[i] = door.is_open();
     car.was_closed[i] = door.is_closed();
     car.reversals[i] = door.reversals();

@@ -28,8 +28,6 @@ namespace canopus::sim::lift {
 /// The devices around a building, by their number in units().
 class LiftDevices {
  public:
-  /// Its deadline is another one.
-  virtual void unit_touched(std::size_t unit) = 0;
   /// Its plug is pulled, or in again.
   virtual void unit_plugged(std::size_t unit, bool plugged, can::Time now) = 0;
 
@@ -71,7 +69,7 @@ class Building final : public can::Ticker {
     Mapping output{};             // 6011H, last seen
     std::uint16_t emergency = 0;  // to send
     bool recovers = false;        // emergency reset to send
-    can::Time due = can::never;
+    can::Alarm alarm;             // of the application
   };
   struct Transfer {
     std::size_t passenger = 0;
@@ -98,10 +96,9 @@ class Building final : public can::Ticker {
   void start(std::size_t unit, Device& device, can::Time now);
   bool act(std::size_t unit, Device& device, can::Time now);
   bool act_as_panel(std::size_t unit, Device& device, can::Time now);
-  void take_commands(std::size_t unit, Device& device, can::Time now);
+  void read_commands(std::size_t unit, Device& device, can::Time now);
   [[nodiscard]] Values values_of(std::size_t unit, can::Time now) const;
   void show_changes(can::Time now);
-  void touch(std::size_t unit, can::Time due);
 
   // Cars.
   [[nodiscard]] bool is_blocked(const Car& car, std::size_t door) const;
@@ -119,7 +116,7 @@ class Building final : public can::Ticker {
   void people(can::Time now);
   void board_and_leave(std::size_t number, can::Time now);
   void end_transfer(std::size_t number, can::Time now);
-  bool wants_in(const Passenger& passenger, std::size_t car, std::uint8_t floor) const;
+  bool can_board(const Passenger& passenger, std::size_t car, std::uint8_t floor) const;
   void press_buttons(std::size_t index, can::Time now);
   [[nodiscard]] std::size_t panel_number(std::uint8_t floor, std::size_t car) const;
 

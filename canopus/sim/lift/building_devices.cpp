@@ -14,7 +14,7 @@ class UnitApplication final : public DeviceApplication {
   UnitApplication(Building& building, std::size_t unit) : building_(building), unit_(unit) {}
   void start(Device& device, can::Time now) override { building_.start(unit_, device, now); }
   bool act(Device& device, can::Time now) override { return building_.act(unit_, device, now); }
-  [[nodiscard]] can::Time deadline() const noexcept override { return building_.shown_[unit_].due; }
+  [[nodiscard]] can::Alarm& alarm() noexcept override { return building_.shown_[unit_].alarm; }
 
  private:
   Building& building_;
@@ -63,9 +63,9 @@ void Building::start(std::size_t unit, Device& device, can::Time now) {
 
 bool Building::act(std::size_t unit, Device& device, can::Time now) {
   Shown& shown = shown_[unit];
-  shown.due = can::never;
   if (unit < panels_.size()) return act_as_panel(unit, device, now);
-  take_commands(unit, device, now);
+  shown.alarm.cancel();
+  read_commands(unit, device, now);
   shown.values = values_of(unit, now);
   bool changed = false;
   for (std::size_t i = 0; i < shown.outputs.size(); ++i) {
@@ -107,12 +107,14 @@ bool Building::act_as_panel(std::size_t unit, Device& device, can::Time now) {
   if (const auto input = panel.next_input(now)) {
     device.node().dictionary().assign(shown.inputs[1], *input);
     (void)device.node().tpdo_event(input_pdo, now);
-    shown.due = panel.deadline(now);
+    shown.alarm = panel.deadline(now);
+  } else {
+    shown.alarm.cancel();
   }
   return false;
 }
 
-void Building::take_commands(std::size_t unit, Device& device, can::Time now) {
+void Building::read_commands(std::size_t unit, Device& device, can::Time now) {
   const Unit& what = units_[unit];
   const std::array<canopen::Entry, 5>& inputs = shown_[unit].inputs;
   const canopen::ObjectDictionary& objects = device.node().dictionary();
@@ -162,17 +164,12 @@ Building::Values Building::values_of(std::size_t unit, can::Time now) const {
   return {};
 }
 
-void Building::touch(std::size_t unit, can::Time due) {
-  shown_[unit].due = due;
-  if (devices_ != nullptr) devices_->unit_touched(unit);
-}
-
 void Building::show_changes(can::Time now) {
   for (std::size_t unit = 0; unit < units_.size(); ++unit) {
     if (unit < panels_.size()) {
-      if (const can::Time due = panels_[unit].deadline(now); due != shown_[unit].due) touch(unit, due);
+      shown_[unit].alarm = panels_[unit].deadline(now);
     } else if (values_of(unit, now) != shown_[unit].values) {
-      touch(unit, now);
+      shown_[unit].alarm = now;
     }
   }
 }

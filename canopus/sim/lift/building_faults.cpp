@@ -44,7 +44,7 @@ void Building::set_fault(const LiftFault& fault, bool begins, can::Time now) {
     } else {
       shown_[unit].recovers = true;
     }
-    touch(unit, now);
+    shown_[unit].alarm = now;
   };
   switch (fault.kind) {
     case LiftFault::Kind::light_barrier_blocked: count(car.blocked); break;

@@ -32,7 +32,7 @@ void Building::people(can::Time now) {
 }
 
 /// Would get into this car, which stands open there.
-bool Building::wants_in(const Passenger& passenger, std::size_t car, std::uint8_t floor) const {
+bool Building::can_board(const Passenger& passenger, std::size_t car, std::uint8_t floor) const {
   if (passenger.state != Passenger::State::waiting || passenger.from != floor || passenger.steps_back)
     return false;
   const std::uint8_t lantern = panel(floor).lantern(settings_.lifts[car] - 1U);
@@ -106,7 +106,7 @@ void Building::board_and_leave(std::size_t number, can::Time now) {
     return pass(*last, false);
   }
   for (std::size_t i = present_; i < coming_; ++i) {
-    if (!wants_in(passengers_[i], number, *floor)) continue;
+    if (!can_board(passengers_[i], number, *floor)) continue;
     const bool passes_elsewhere = std::ranges::any_of(
         cars_, [i](const Car& other) { return other.transfer && other.transfer->passenger == i; });
     if (!passes_elsewhere) return pass(i, true);
@@ -128,7 +128,7 @@ void Building::press_buttons(std::size_t index, can::Time now) {
       const Car& car = cars_[number];
       const DoorUnit& door = car.doors[settings_.floor_doors[passenger.from - 1U]];
       if (floor_of(car, now) == passenger.from && door.is_passable() &&
-          wants_in(passenger, number, passenger.from))
+          can_board(passenger, number, passenger.from))
         return;
     }
     Panel& panel = panels_[panel_number(passenger.from, 0)];

@@ -125,7 +125,7 @@ const Case mapping[] = {
 };
 INSTANTIATE_TEST_SUITE_P(Mapping, Pdo, testing::ValuesIn(mapping), case_name);
 
-/// RPDO1 with 6200H:01-02 and type FEH; TPDO1 with 6500H and type 1: what arrives in the one leaves in the
+/// RPDO1 with 6200:01-02 and type FEH; TPDO1 with 6500H and type 1: what arrives in the one leaves in the
 /// other.
 class PdoTraffic : public testing::TestWithParam<Case> {};
 TEST_P(PdoTraffic, Conversation) {
@@ -171,7 +171,7 @@ TEST_P(CyclicTpdo, IsSentAtEveryNthSync) {
   node.set_up(0x1800, {0x60000108}, static_cast<std::uint8_t>(n));
   node.start();
   for (int sync = 1; sync <= 3 * n; ++sync) {
-    ASSERT_EQ(node.hear("080"), sync % n == 0 ? "185 00" : "") << "SYNC " << sync;
+    ASSERT_EQ(node.receive("080"), sync % n == 0 ? "185 00" : "") << "SYNC " << sync;
   }
 }
 INSTANTIATE_TEST_SUITE_P(Period, CyclicTpdo, testing::Values(1, 2, 3, 7, 16, 127, 128, 239, 240));

@@ -39,7 +39,7 @@ inline void run(Conversation& node, const std::string& script) {
     const std::string step = trimmed(line.substr(0, arrow));
     const std::string expected = trimmed(line.substr(arrow + 2));
     const std::string said =
-        step[0] == '+' ? node.wait(std::chrono::milliseconds(std::stol(step.substr(1)))) : node.hear(step);
+        step[0] == '+' ? node.wait(std::chrono::milliseconds(std::stol(step.substr(1)))) : node.receive(step);
     ASSERT_EQ(said, expected) << "line " << number << ": " << line;
   }
 }

@@ -31,7 +31,25 @@ bool BitwiseWire::update_members() {
   }
   lockstep_.update_members();
   levels_.update_members();
-  return !have_bit_faults && !levels_.are_disturbed() && wire_.core.clocks == nullptr;
+  line_.make_all_due();
+  const bool is_healthy = !levels_.are_disturbed() && wire_.core.clocks == nullptr;
+  is_regular_ =
+      is_healthy && !have_bit_faults && std::ranges::all_of(wire_.members, [this](const BusPort* port) {
+        return port->rate == wire_.members.front()->rate;
+      });
+  return is_healthy && !have_bit_faults;
+}
+
+void BitwiseWire::before_change() {
+  if (ahead_.is_active) rewind(past_end());
+  if (wire_.core.clocks != nullptr) line_.catch_up(past_end());
+  simulate_contenders();
+  lockstep_.split_lockstep();
+}
+
+can::Time BitwiseWire::past_end() const noexcept {
+  const can::Time now = wire_.core.timeline.now();
+  return wire_.core.has_ticked() ? now + can::Duration(1) : now;
 }
 
 void BitwiseWire::after_change(can::Time now) noexcept {
@@ -53,11 +71,12 @@ void BitwiseWire::enter(const WireHandover& handover) {
   const can::Time now = wire_.core.timeline.now();
   dominant_ = false;
   active_ = false;
+  ahead_.is_active = false;
+  wire_.uncontended = nullptr;
   for (const auto& port : wire_.core.ports) {
     if (wire_.has(*port)) port->phase = {};
   }
-  // What is sampled or begins at this moment is part of the past once the bus has had its tick.
-  const can::Time until = wire_.core.has_ticked() ? now + can::Duration(1) : now;
+  const can::Time until = past_end();
   switch (handover.kind) {
     case WireHandover::Kind::idle:
       wire_.deadline = wire_.arbiter.lowest() == Arbiter::none ? can::never : std::max(now, wire_.free_from);
@@ -116,7 +135,15 @@ void BitwiseWire::replay(can::Time from, can::Time until) {
   replaying_ = false;
 }
 
+bool BitwiseWire::has_new_members() const noexcept {
+  const auto is_idle = [](const BusPort* port) { return port->bits.idle(); };
+  const auto has_left = [](const BusPort* port) { return !port->present(); };
+  return !wire_.core.wire_observers.empty() || std::ranges::all_of(lockstep_.sampling(), is_idle) ||
+         std::ranges::any_of(lockstep_.sampling(), has_left);
+}
+
 void BitwiseWire::leave(can::Time now) {
+  wire_.uncontended = nullptr;
   for (BusPort* port : wire_.members) {
     port->report_field(now);
     port->phase = {};
@@ -124,9 +151,12 @@ void BitwiseWire::leave(can::Time now) {
 }
 
 bool BitwiseWire::end_bits(can::Time now) {
+  if (std::exchange(ahead_.is_active, false) && now < ahead_.until) rewind(now);
   had_changed_ = std::exchange(changed_, false);
   completion_.run(now);
-  if (lockstep_.leader() != nullptr && lockstep_.leader()->bits.quiet()) lockstep_.split_lockstep();
+  if (!wire_.core.wire_observers.empty() &&
+      std::ranges::any_of(lockstep_.leaders(), [](const BusPort* port) { return port->bits.quiet(); }))
+    lockstep_.split_lockstep();
   if (dominant_ || !is_quiet(now)) return false;
   if (active_) {
     active_ = false;
@@ -145,7 +175,7 @@ void BitwiseWire::run_bits(can::Time now) {
     begin_bits(now);
     sample(now);
   }
-  if (abandoned_) cancel_abandoned_corruptions();
+  if (abandoned_) cancel_abandoned_corruptions(now);
   wire_.notify_controller_changes(now);
   schedule(now);
 }
@@ -163,32 +193,24 @@ bool BitwiseWire::is_between_bits(const BusPort& port, can::Time now) noexcept {
 }
 
 bool BitwiseWire::may_begin(const BusPort& port, can::Time now) const noexcept {
-  return (port.bits.idle() || (has_early_ports_ && port.bits.may_begin())) && is_between_bits(port, now) &&
-         port.offer() != Arbiter::none;
+  const BusPort& sampler = Lockstep::sampler_of(port);
+  return (sampler.bits.idle() || (has_early_ports_ && sampler.bits.may_begin())) &&
+         is_between_bits(sampler, now) && port.offer() != Arbiter::none;
 }
 
 /// The wire was busy from activity_start_ on.
 void BitwiseWire::count_activity(can::Time now) {
   const can::Duration bit = can::bit_time(1, wire_.core.bit_rate);
   activity_start_ = std::min(activity_start_, now);
-  wire_.core.statistics.busy(activity_start_, now, static_cast<std::uint64_t>((now - activity_start_) / bit));
+  wire_.count_busy(activity_start_, now, static_cast<std::uint64_t>((now - activity_start_) / bit));
 }
 
 /// Each controller begins by its own bits, whatever the others are still doing: those that are not idle yet see
 /// the SOF where they are.
 void BitwiseWire::begin_frames(can::Time now) {
-  if (replaying_) return;
-  const BusPort* first = nullptr;
-  for (BusPort* port : lockstep_.sampling()) {
-    if (!may_begin(*port, now)) continue;
-    port->begin_next();
-    wire_.arbiter.set(port->index, port->offer());
-    port->bits.transmit(port->current);
-    port->phase.frame_start = now;
-    port->phase.next = now;
-    port->phase.lost_at = WireFrame::Sender::won;
-    if (first == nullptr || arbitration(port->current) < arbitration(first->current)) first = port;
-  }
+  if (replaying_ || wire_.arbiter.lowest() == Arbiter::none) return;
+  BusPort* uncontended = is_uniform() ? begin_uncontended(now) : nullptr;
+  const BusPort* first = uncontended != nullptr ? uncontended : begin_each(now);
   if (first == nullptr) return;
   if (active_) {  // some port is still in its error frame: what belongs to the last frame ends here all the same
     count_activity(now);
@@ -199,11 +221,109 @@ void BitwiseWire::begin_frames(can::Time now) {
     wire_.faults =
         plan.hits_frames() ? plan.on_frame(*first, first->bit(), first->current, now) : FrameFaults{};
   }
-  if (wire_.faults.corruptions > 0) lockstep_.split_lockstep();  // one may hit a single port of it
+  for (std::size_t number = 0; number < wire_.faults.corruptions; ++number) {
+    const FrameFaults::Corruption& corruption = wire_.faults.corruption[number];
+    if (corruption.at != nullptr &&
+        wire_.has(*corruption.at))  // a port behind a cut has its own wire's lockstep
+      lockstep_.take_out(*wire_.core.ports[corruption.at->index]);
+    if (uncontended != nullptr && !uncontended->bits.is_behind_arbitration(corruption.bit)) {
+      begin_each(now);
+      uncontended = nullptr;
+    }
+  }
+  wire_.uncontended = uncontended;
   wire_.faults_ready = false;
   abandoned_ = false;
   has_error_frame_ = false;
   levels_.begin_frame(now, first->bit());
+}
+
+/// Nothing but what the ports mean to drive makes the level, all see the same, and no observer sees the wire.
+bool BitwiseWire::is_uniform() const noexcept { return is_regular_ && wire_.core.wire_observers.empty(); }
+
+/// All that may begin do so now, and none is within anything else than waiting: the one that will win arbitration begins alone.
+/// Null: it is not so.
+BusPort* BitwiseWire::begin_uncontended(can::Time now) {
+  Arbiter& arbiter = wire_.arbiter;
+  lockstep_.form_lockstep();
+  const std::vector<BusPort*>& sampling = lockstep_.sampling();
+  for (const BusPort* port : sampling) {
+    if (!port->bits.quiet() || (port->bits.idle() && !is_between_bits(*port, now))) return nullptr;
+  }
+  waiting_.clear();  // with an offer that is not for this frame
+  for (BusPort* port : wire_.members) {
+    if (arbiter.of(port->index) != Arbiter::none && !Lockstep::sampler_of(*port).bits.idle())
+      waiting_.push_back(port);
+  }
+  for (const BusPort* port : waiting_) arbiter.set(port->index, Arbiter::none);
+  const std::uint64_t lowest = arbiter.lowest();
+  const bool has_winner = lowest != Arbiter::none && !arbiter.is_lowest_shared();
+  for (const BusPort* port : waiting_) arbiter.set(port->index, port->offer());
+  if (!has_winner) return nullptr;
+  wire_.frame_number = ++wire_.core.frame_number;
+  for (BusPort* port : waiting_) port->take_no_part(wire_.frame_number);
+  BusPort& winner = *wire_.core.ports[Arbiter::port_of(lowest)];
+  lockstep_.take_out(winner);
+  begin_frame(winner, now);
+  return &winner;
+}
+
+/// Returns the one that will win arbitration; null: none begins.
+BusPort* BitwiseWire::begin_each(can::Time now) {
+  for (BusPort* leader : std::vector<BusPort*>(lockstep_.leaders())) {
+    if (!may_lockstep_begin(*leader, now)) continue;
+    lockstep_.split(*leader, [](const BusPort& port) { return port.offer() != Arbiter::none; });
+    if (leader->offer() != Arbiter::none) lockstep_.take_out(*leader);
+  }
+  BusPort* first = nullptr;
+  for (BusPort* port : lockstep_.sampling()) {
+    if (!may_begin(*port, now)) continue;
+    begin_frame(*port, now);
+    if (first == nullptr || arbitration(port->current) < arbitration(first->current)) first = port;
+  }
+  return first;
+}
+
+void BitwiseWire::begin_frame(BusPort& port, can::Time now) {
+  port.begin_next();
+  wire_.arbiter.set(port.index, port.offer());
+  port.bits.transmit(port.current);
+  port.phase.frame_start = now;
+  port.phase.next = now;
+  port.phase.lost_at = WireFrame::Sender::won;
+  line_.make_all_due();
+}
+
+/// The leader or one of its followers may.
+bool BitwiseWire::may_lockstep_begin(const BusPort& leader, can::Time now) const noexcept {
+  if (!leader.bits.idle() || !is_between_bits(leader, now) || wire_.arbiter.lowest() == Arbiter::none)
+    return false;
+  return std::ranges::any_of(wire_.members, [&](const BusPort* port) {
+    return &Lockstep::sampler_of(*port) == &leader && port->offer() != Arbiter::none;
+  });
+}
+
+/// Ports that have taken part in arbitration so far without being simulated are from here on.
+void BitwiseWire::simulate_contenders() {
+  const BusPort* winner = std::exchange(wire_.uncontended, nullptr);
+  if (winner == nullptr || !(winner->bits.transmitting() || winner->phase.transmitted)) return;
+  lockstep_.split_lockstep();
+  for (BusPort* port : wire_.members) {
+    if (port == winner) continue;
+    if (port->pending.frame_number != wire_.frame_number) port->snapshot_pending(wire_.frame_number);
+    if (!port->pending.offered) continue;
+    const BitProgress as_receiver = port->bits.progress();
+    if (const auto lost_at = port->bits.contend(port->pending.frame, winner->bits)) {
+      port->bits.resume(as_receiver);
+      port->phase.lost_at = *lost_at;
+      continue;
+    }
+    port->restore_pending();
+    wire_.arbiter.set(port->index, port->offer());
+    port->phase.frame_start = winner->phase.frame_start;
+    port->phase.driving = winner->phase.sampling ? port->bits.drives_dominant() : winner->phase.driving;
+    put_on_wire(*port, winner->phase.bit_start);
+  }
 }
 
 /// Lets bits begin that begin now and finds the level of the wire.
@@ -239,7 +359,9 @@ void BitwiseWire::begin_bits(can::Time now) {
   }
   if (!set_level(dominant, now) || !dominant) return;
   for (BusPort* port : lockstep_.sampling()) synchronise(*port, now);
-  if (lockstep_.leader() != nullptr && lockstep_.leader()->phase.received) lockstep_.copy_deadline();
+  for (const BusPort* leader : lockstep_.leaders()) {
+    if (leader->phase.received) lockstep_.copy_deadline(*leader);
+  }
 }
 
 /// The bit that begins for the port.
@@ -247,7 +369,7 @@ void BitwiseWire::report_bit(BusPort& port, can::Time now) {
   port.report_output(now);
   port.report_activity(now);
   port.report_field(now);
-  if (&port == lockstep_.leader()) lockstep_.report_bit(now);
+  if (port.lockstep.followers > 0) lockstep_.report_bit(port, now);
 }
 
 void BitwiseWire::put_on_wire(BusPort& port, can::Time now) {
@@ -328,15 +450,21 @@ void BitwiseWire::synchronise(BusPort& port, can::Time now) {
 }
 
 void BitwiseWire::sample(can::Time now) {
-  if (lockstep_.leader() != nullptr && is_sampling(*lockstep_.leader(), now)) {
-    sample_lockstep(now);
+  lockstep_.take_out_recovering();
+  if (sample_leaders(now)) {
+    apply_to_lockstep(now);
   } else {
-    for (BusPort* port : lockstep_.sampling()) {
-      if (is_sampling(*port, now)) sample_port(*port, now);
-    }
+    sample_alone(now);
   }
   wire_.core.report(now);
   if (std::exchange(begun_, false) && !wire_.core.needs_bits()) lockstep_.form_lockstep();
+}
+
+/// The ports that have no followers.
+void BitwiseWire::sample_alone(can::Time now) {
+  for (BusPort* port : lockstep_.sampling()) {
+    if (is_sampling(*port, now)) sample_port(*port, now);
+  }
 }
 
 void BitwiseWire::sample_port(BusPort& port, can::Time now) {
@@ -356,6 +484,7 @@ BitwiseWire::Sampled BitwiseWire::sample_bit(BusPort& port, can::Time now) {
     phase.sampled = levels_.seen_at(port, dominant_, now);
   }
   phase.synchronised = false;
+  sampled.dominant = phase.sampled;
   port.bits.sample(phase.sampled, sampled.events);
   if (port.faults != sampled.faults) port.report_counters(now);
   if (!in_frame && port.bits.state() == BitController::State::frame) {
@@ -388,13 +517,19 @@ void BitwiseWire::apply(BusPort& port, const Sampled& sampled, can::Time now) {
     port.begin_next();
     wire_.arbiter.set(port.index, port.offer());
     port.bits.join(port.current);
+    wire_.uncontended = nullptr;  // its frame is over, even if it joins, too
   }
   if (replaying_) return;  // an error frame was counted and reported when it was computed
   if (events.error != BusError::none) report_bit_error(port, sampled, now);
   if (events.recovered) port.recovering = false;
-  const can::ErrorState state = sampled.faults.state();
-  if (port.faults.state() == state && port.faults.warning() == sampled.faults.warning()) return;
-  phase.changed = wire_.controllers_changed = true;
+  report_state(port, sampled.faults);
+}
+
+/// Its counters have changed, and its state perhaps.
+void BitwiseWire::report_state(BusPort& port, const can::FaultConfinement& before) {
+  const can::ErrorState state = before.state();
+  if (port.faults.state() == state && port.faults.warning() == before.warning()) return;
+  port.phase.changed = wire_.controllers_changed = true;
   if (port.faults.state() == can::ErrorState::bus_off) {
     ++port.counted.bus_offs;
     if (port.automatic_recovery) port.recovering = true;
@@ -411,65 +546,97 @@ void BitwiseWire::report_bit_error(BusPort& port, const Sampled& sampled, can::T
                      .field = sampled.position.field(),
                      .bit = sampled.position.number,
                      .transmitter = sampled.is_transmitter,
-                     .dominant = port.phase.sampled,
+                     .dominant = sampled.dominant,
                      .first = !has_error_frame_});
-  if (!has_error_frame_) wire_.core.statistics.error_frame();
+  if (!has_error_frame_) wire_.count_error_frame();
   has_error_frame_ = true;
   for (can::BusObserver* observer : wire_.core.observers) observer->error_detected(port, error, now);
 }
 
-/// The leader's sample point.
-void BitwiseWire::sample_lockstep(can::Time now) {
-  BusPort& leader = *lockstep_.leader();
-  const Sampled found = sample_bit(leader, now);
-  if (found.events == BitController::Events{}) {
-    for (BusPort* port : lockstep_.sampling()) {
-      if (port != &leader && is_sampling(*port, now)) sample_port(*port, now);
-    }
-    return;
+/// Leaves in found_ what the leaders found whose sample point it is. False: nothing that changes their followers.
+bool BitwiseWire::sample_leaders(can::Time now) {
+  found_.clear();
+  for (BusPort* leader : lockstep_.leaders()) {
+    if (!is_sampling(*leader, now)) continue;
+    const Sampled found = sample_bit(*leader, now);
+    if (found.events != BitController::Events{}) found_.push_back({leader, found});
   }
-  if (found.events.early_start) return split_at_early_start(found, now);
+  return !found_.empty();
+}
+
+/// In the order of the ports: found_, and the sample points of all others.
+void BitwiseWire::apply_to_lockstep(can::Time now) {
   for (BusPort* port : wire_.members) {
-    if (port == &leader) {
-      apply(leader, found, now);
-    } else if (Lockstep::is_follower(*port)) {
-      Sampled own = found;
-      own.faults = port->faults;
-      Lockstep::count(port->faults, found.events.counted);
-      port->report_counters(now);
-      Lockstep::copy_leader(*port);
-      apply(*port, own, now);
+    if (Lockstep::is_follower(*port)) {
+      const Sampled* found = found_by(port->lockstep.leader);
+      if (found != nullptr && !found->events.early_start) apply_to_follower(*port, *found, now);
+    } else if (const Sampled* found = found_by(port)) {
+      if (!found->events.early_start) apply(*port, *found, now);
     } else if (is_sampling(*port, now)) {
       sample_port(*port, now);
     }
   }
+  for (const FoundByLeader& one : found_) {
+    if (one.found.events.early_start) join_early(*one.leader, one.found, now);
+  }
   lockstep_.split_by_error_state();
 }
 
-/// The SOF of another port in the last bit of the intermission: ports that have something to send join in.
-void BitwiseWire::split_at_early_start(const Sampled& found, can::Time now) {
-  BusPort& leader = *lockstep_.leader();
-  for (BusPort* port : lockstep_.sampling()) {
-    if (port != &leader && is_sampling(*port, now)) sample_port(*port, now);
-  }
+/// The SOF of another port in the last bit of the intermission: ports of this lockstep that have something to send join in.
+void BitwiseWire::join_early(BusPort& leader, const Sampled& found, can::Time now) {
+  const auto joins = [](const BusPort& port) { return port.offer() != Arbiter::none; };
+  waiting_.clear();
   for (BusPort* port : wire_.members) {
-    if (!Lockstep::is_follower(*port)) continue;
-    Lockstep::copy_leader(*port);
+    if (port->lockstep.leader == &leader && joins(*port)) waiting_.push_back(port);
+  }
+  lockstep_.split(leader, joins);
+  if (joins(leader)) {
+    lockstep_.take_out(leader);
+    waiting_.push_back(&leader);
+  }
+  for (BusPort* port : waiting_) {
     Sampled own = found;
     own.faults = port->faults;
     apply(*port, own, now);
-    Lockstep::release(*port);
   }
-  apply(leader, found, now);
-  lockstep_.split_lockstep();
 }
 
-/// What was to happen to a frame that no port sends any more does not happen to the next one.
-void BitwiseWire::cancel_abandoned_corruptions() {
+const BitwiseWire::Sampled* BitwiseWire::found_by(const BusPort* leader) const noexcept {
+  const auto found = std::ranges::find(found_, leader, &FoundByLeader::leader);
+  return found == found_.end() ? nullptr : &found->found;
+}
+
+/// A follower receives, or has received: it sends nothing that could fail.
+void BitwiseWire::apply_to_follower(BusPort& port, const Sampled& found, can::Time now) {
+  const can::FaultConfinement before = port.faults;
+  Lockstep::count(port.faults, found.events.counted);
+  if (!wire_.core.wire_observers.empty()) {
+    port.report_counters(now);
+    Lockstep::copy_leader(port);
+  }
+  if (found.events.received) {
+    Lockstep::copy_leader(port);
+    completion_.note(port, found.events);
+  }
+  if (found.events.error != BusError::none) {
+    port.phase.lost_at = WireFrame::Sender::won;
+    if (!replaying_) report_bit_error(port, found, now);
+  }
+  if (!replaying_) report_state(port, before);
+}
+
+/// What was to happen to a frame that no port sends any more does not happen to the next one. A bit that is corrupted now stays so
+/// to its end: else the level would change with whatever the wire does next.
+void BitwiseWire::cancel_abandoned_corruptions(can::Time now) {
   abandoned_ = false;
   const bool is_sent = std::ranges::any_of(lockstep_.sampling(),
                                            [](const BusPort* port) { return port->bits.transmitting(); });
-  if (!is_sent) wire_.faults.corruptions = 0;
+  if (is_sent) return;
+  FrameFaults& faults = wire_.faults;
+  FrameFaults::Corruption* const begin = faults.corruption;
+  const auto is_over = [&](const auto& corruption) { return !levels_.is_at_work(corruption, now); };
+  faults.corruptions =
+      static_cast<std::size_t>(std::remove_if(begin, begin + faults.corruptions, is_over) - begin);
 }
 
 /// When the wire has to act next.
@@ -477,13 +644,21 @@ void BitwiseWire::schedule(can::Time now) {
   can::Time next = std::min(changed_ ? now : can::never, levels_.next_change(now));
   const std::vector<BusPort*>& sampling = lockstep_.sampling();
   if (sampling.empty() && active_ && !dominant_) next = now;  // there is no bit that ends
-  if (wire_.core.clocks != nullptr) next = std::min(next, line_.next(now));
-  for (const BusPort* port : sampling) {
-    next = std::min(next, port->phase.next);
-    if (has_late_drivers_) next = std::min(next, port->phase.output_changes);
-    if (!replaying_ && may_begin(*port, now)) next = now;
+  const bool is_on_line = wire_.core.clocks != nullptr;
+  if (is_on_line) next = std::min(next, line_.next());
+  const bool may_some_begin = !replaying_ && wire_.arbiter.lowest() != Arbiter::none;
+  if (!is_on_line || may_some_begin || has_late_drivers_) {
+    for (const BusPort* port : sampling) {
+      if (!is_on_line) next = std::min(next, port->phase.next);
+      if (has_late_drivers_) next = std::min(next, port->phase.output_changes);
+      if (may_some_begin && may_begin(*port, now)) next = now;
+    }
+  }
+  for (const BusPort* leader : lockstep_.leaders()) {
+    if (may_some_begin && may_lockstep_begin(*leader, now)) next = now;
   }
   wire_.deadline = next;
+  if (!replaying_ && next > now && is_uniform()) run_ahead();
 }
 
 }  // namespace canopus::sim

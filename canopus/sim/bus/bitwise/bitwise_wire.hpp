@@ -6,6 +6,7 @@
 // Whenever the wire is quiet, whole frames may go on; when they stop, the frame that is on the wire is replayed here up to the
 // present. So both ways of working can follow each other at any moment and give the same times.
 
+#include <cstdint>
 #include <vector>
 
 #include "canopus/sim/bus/bitwise/exact_line.hpp"
@@ -25,7 +26,8 @@ class BitwiseWire {
 
   /// WireState::members are others. Returns whether whole frames may go on as far as levels and single ports are concerned.
   [[nodiscard]] bool update_members();
-  void split_lockstep() { lockstep_.split_lockstep(); }
+  /// Every port's controller comes to where its bits have it now.
+  void before_change();
   /// Something about a port or the wire has changed; the members are updated.
   void after_change(can::Time now) noexcept;
   /// Between before_change() and after_change(): a port has come from another wire.
@@ -34,6 +36,8 @@ class BitwiseWire {
 
   /// Whole frames have stopped: the controllers are brought to where they would be, had the wire worked bit by bit all along.
   void enter(const WireHandover& handover);
+  /// On a quiet wire: the members may be others, e.g. without a port that is bus-off for good, or all of them ready for whole frames.
+  [[nodiscard]] bool has_new_members() const noexcept;
   /// Whole frames go on.
   void leave(can::Time now);
 
@@ -70,7 +74,25 @@ class BitwiseWire {
     can::FaultConfinement faults;
     BitController::Position position;
     bool is_transmitter = false;
+    bool dominant = false;
     BitController::Events events{};
+  };
+  struct FoundByLeader {
+    BusPort* leader;
+    Sampled found;
+  };
+  /// Bits that passed ahead of time, as nothing comes of them but that the controllers go on. What changes about a port before
+  /// their end is preceded by rewind().
+  struct Ahead {
+    struct Before {
+      BitProgress progress;
+      BusPort::BitPhase phase;
+    };
+    bool is_active = false;
+    can::Time from{};
+    can::Time until{};
+    bool dominant = false;       // the level before them
+    std::vector<Before> before;  // of the ports that sample
   };
   [[nodiscard]] static bool is_sampling(const BusPort& port, can::Time now) noexcept {
     return port.phase.next == now && port.phase.sampling;
@@ -81,22 +103,42 @@ class BitwiseWire {
   void replay_frame(const WireHandover& handover, can::Time until);
   void replay_intermission(const WireHandover& handover, can::Time until);
   void replay(can::Time from, can::Time until);
+  /// What is sampled or begins before this moment belongs to the past.
+  [[nodiscard]] can::Time past_end() const noexcept;
 
   void count_activity(can::Time now);
   void begin_frames(can::Time now);
+  BusPort* begin_uncontended(can::Time now);
+  BusPort* begin_each(can::Time now);
+  void begin_frame(BusPort& port, can::Time now);
+  [[nodiscard]] bool is_uniform() const noexcept;
+  [[nodiscard]] bool may_lockstep_begin(const BusPort& port, can::Time now) const noexcept;
+  void simulate_contenders();
   void begin_bits(can::Time now);
   void report_bit(BusPort& port, can::Time now);
   static void start_sampling(BusPort& port, can::Time now) noexcept;
   void wake(BusPort& port, can::Time now);
   void synchronise(BusPort& port, can::Time now);
   void sample(can::Time now);
-  void sample_lockstep(can::Time now);
-  void split_at_early_start(const Sampled& found, can::Time now);
+  void sample_alone(can::Time now);
+  [[nodiscard]] bool sample_leaders(can::Time now);
+  void apply_to_lockstep(can::Time now);
+  void apply_to_follower(BusPort& port, const Sampled& found, can::Time now);
+  void join_early(BusPort& leader, const Sampled& found, can::Time now);
+  [[nodiscard]] const Sampled* found_by(const BusPort* leader) const noexcept;
   Sampled sample_bit(BusPort& port, can::Time now);
   void apply(BusPort& port, const Sampled& sampled, can::Time now);
   void report_bit_error(BusPort& port, const Sampled& sampled, can::Time now);
-  void cancel_abandoned_corruptions();
+  void report_state(BusPort& port, const can::FaultConfinement& before);
+  void cancel_abandoned_corruptions(can::Time now);
   void schedule(can::Time now);
+
+  // bits_ahead.cpp
+  void run_ahead();
+  [[nodiscard]] std::uint64_t most_bits_ahead(can::Time from) const noexcept;
+  [[nodiscard]] std::uint64_t pass_frame_bits(std::uint64_t most);
+  [[nodiscard]] bool run_bit_ahead();
+  void rewind(can::Time until);
 
   WireState& wire_;
   WireLevels levels_;
@@ -114,7 +156,11 @@ class BitwiseWire {
   bool begun_ = false;             // some port has begun to receive a frame
   bool has_early_ports_ = false;   // some port does not wait for the bus to be idle
   bool has_late_drivers_ = false;  // some port's level reaches the wire later
+  bool is_regular_ = false;        // all ports have one bit rate and no fault, and only they make the level
   can::Time activity_start_{};
+  std::vector<FoundByLeader> found_;  // at the present sample point
+  std::vector<BusPort*> waiting_;     // of begin_uncontended() and join_early(), kept for its memory
+  Ahead ahead_;
 };
 
 }  // namespace canopus::sim

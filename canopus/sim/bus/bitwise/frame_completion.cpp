@@ -42,7 +42,7 @@ void FrameCompletion::report(can::Time now) {
   if (reporter->phase.frame_start < reported_at_ && frame == reported_) return;
   reported_ = frame;
   reported_at_ = now;
-  core.statistics.frame(frame);
+  wire_.count_frame(frame);
   if (!core.wire_observers.empty()) report_arbitration(frame, reporter->phase.frame_start);
   for (can::BusObserver* observer : core.observers) {
     observer->frame_completed(frame, reporter->phase.frame_start, now);

@@ -20,6 +20,8 @@ class FrameCompletion {
   }
   /// The port has come from another wire, perhaps with a frame that is complete with its present bit.
   void move_in(BusPort& port, const WireState& from) noexcept;
+  /// Some frame is complete with the present bit of some port.
+  [[nodiscard]] bool is_due() const noexcept { return is_due_; }
   /// Reports, delivers and confirms frames whose last bit ends now.
   void run(can::Time now) {
     if (is_due_) complete(now);

@@ -58,10 +58,18 @@ bool WireLevels::seen_on_line(const BusPort& port, bool is_driven, can::Time now
 bool WireLevels::is_inverted(const BusPort* at, can::Time now) const noexcept {
   bool inverts = at == nullptr ? is_inverted_ && !wire_.members.empty() : at->inverted;
   for (const FrameFaults::Corruption& corruption : corruptions(wire_.faults)) {
-    const can::Time begin = frame_start_ + bit_ * corruption.bit;
-    if (corruption.at == at && now >= begin && now < begin + bit_) inverts = !inverts;
+    if (corruption.at == at && is_at_work(corruption, now)) inverts = !inverts;
   }
   return inverts;
+}
+
+can::Time WireLevels::undisturbed_until(can::Time from) const noexcept {
+  can::Time until = can::never;
+  for (const FrameFaults::Corruption& corruption : corruptions(wire_.faults)) {
+    const can::Time begin = frame_start_ + bit_ * corruption.bit;
+    if (begin + bit_ > from) until = std::min(until, std::max(begin, from));
+  }
+  return until;
 }
 
 can::Time WireLevels::next_change(can::Time now) const noexcept {

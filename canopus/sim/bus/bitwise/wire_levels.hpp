@@ -51,9 +51,17 @@ class WireLevels {
   [[nodiscard]] bool seen_on_line(const BusPort& port, bool is_driven, can::Time now) const noexcept;
   /// A fault inverts what there is on the wire (null), or what one port sees of it.
   [[nodiscard]] bool is_inverted(const BusPort* at, can::Time now) const noexcept;
+  /// The corruption, of WireState::faults, inverts the present bit.
+  [[nodiscard]] bool is_at_work(const FrameFaults::Corruption& corruption, can::Time now) const noexcept {
+    const can::Time begin = frame_start_ + bit_ * corruption.bit;
+    return now >= begin && now < begin + bit_;
+  }
   /// By its termination the wire stays dominant for a time that has an end.
   [[nodiscard]] bool is_held() const noexcept { return released_ != can::never; }
 
+  /// Until when nothing but the ports' outputs makes the level from here on, and all see the same; the moment itself: a fault is
+  /// at work. Only while not are_disturbed().
+  [[nodiscard]] can::Time undisturbed_until(can::Time from) const noexcept;
   /// When the faults change the level next by themselves; never: they do not.
   [[nodiscard]] can::Time next_change(can::Time now) const noexcept;
 

@@ -1,5 +1,7 @@
 #include "canopus/sim/bus/controller/bit_controller.hpp"
 
+#include <algorithm>
+
 namespace canopus::sim {
 
 using can::FrameField;
@@ -125,7 +127,7 @@ void BitController::sample(bool dominant, Events& events) noexcept {
       count_ = count_ > 0 && dominant == flag_last_dominant_ ? count_ + 1 : 1;
       flag_last_dominant_ = dominant;
       if (count_ == flag_bits) enter(State::superposition);
-      go_bus_off_if_due();
+      enter_bus_off_if_due();
       break;
     case State::superposition:
       if (!dominant) {
@@ -305,7 +307,7 @@ void BitController::fail(BusError error, Events& events, bool counts) noexcept {
     }
   }
   begin_flag(passive);
-  go_bus_off_if_due();
+  enter_bus_off_if_due();
 }
 
 void BitController::flag_overwritten(Events& events) noexcept {
@@ -322,39 +324,113 @@ void BitController::severe(Events& events) noexcept {
   } else {
     receiver_severe_error(events);
   }
-  go_bus_off_if_due();
+  enter_bus_off_if_due();
 }
 
-bool BitController::receives_as(const BitController& other) const noexcept {
-  return state_ == State::frame && other.state_ == State::frame && !transmitting_ && !other.transmitting_ &&
-         listen_only_ == other.listen_only_ && position_ == other.position_ && field_ == other.field_ &&
-         last_dominant_ == other.last_dominant_ && row_ == other.row_ && payload_ == other.payload_ &&
-         crc_begin_ == other.crc_begin_ && crc_ == other.crc_ && crc_seen_ == other.crc_seen_ &&
-         field_bits_ == other.field_bits_ && incoming_ == other.incoming_ &&
-         overload_frames_ + other.overload_frames_ + overloads_left_ + other.overloads_left_ == 0;
+bool BitController::is_alike(const BitController& other) const noexcept {
+  if (state_ != other.state_ || listen_only_ != other.listen_only_ ||
+      overload_frames_ + other.overload_frames_ != 0)
+    return false;
+  switch (state_) {
+    case State::idle: return true;
+    case State::integrating: return count_ == other.count_;
+    case State::bus_off: return recovering_ == other.recovering_ && count_ == other.count_;
+    case State::frame: break;
+    default: return false;
+  }
+  return !transmitting_ && !other.transmitting_ && overloads_left_ + other.overloads_left_ == 0 &&
+         has_parsed_as(other);
 }
 
-void BitController::copy_reception(const BitController& other) noexcept {
-  state_ = other.state_;
-  count_ = other.count_;
-  transmitting_ = other.transmitting_;
-  overload_ = other.overload_;
-  ack_error_open_ = other.ack_error_open_;
-  flag_last_dominant_ = other.flag_last_dominant_;
-  position_ = other.position_;
-  field_ = other.field_;
-  last_dominant_ = other.last_dominant_;
-  row_ = other.row_;
-  payload_ = other.payload_;
-  crc_begin_ = other.crc_begin_;
-  crc_ = other.crc_;
-  crc_seen_ = other.crc_seen_;
-  field_bits_ = other.field_bits_;
-  incoming_ = other.incoming_;
+bool BitController::has_parsed_as(const BitController& other) const noexcept {
+  return position_ == other.position_ && field_ == other.field_ && last_dominant_ == other.last_dominant_ &&
+         row_ == other.row_ && payload_ == other.payload_ && crc_begin_ == other.crc_begin_ &&
+         crc_ == other.crc_ && crc_seen_ == other.crc_seen_ && field_bits_ == other.field_bits_ &&
+         incoming_ == other.incoming_;
+}
+
+bool BitController::receives_from(const BitController& transmitter) const noexcept {
+  return state_ == State::frame && !transmitting_ && transmitter.transmitting() && has_parsed_as(transmitter);
+}
+
+BitController::RecessiveRuns BitController::pass_bits(unsigned bits) noexcept {
+  Events events;
+  RecessiveRuns runs;
+  bool has_dominant = false;
+  for (; bits > 0; --bits, ++position_) {
+    const bool dominant = stream_.bits[position_].dominant;
+    has_dominant = has_dominant || dominant;
+    if (!has_dominant) ++runs.before;
+    runs.after = dominant ? 0 : runs.after + 1;
+    parse(dominant, events);
+  }
+  return runs;
+}
+
+void BitController::follow(const BitController& transmitter) noexcept {
+  const unsigned overloads_left = overloads_left_;
+  resume(transmitter);
+  transmitting_ = false;
+  overloads_left_ = overloads_left;
+}
+
+void BitController::wait(unsigned bits, RecessiveRuns runs) noexcept {
+  if (state_ == State::bus_off && !recovering_) return;
+  if (count_ + runs.before >= integration_bits) ++sequences_;  // the runs within a frame are shorter
+  count_ = runs.before < bits ? runs.after : (count_ + bits) % integration_bits;
+}
+
+bool BitController::may_report(bool dominant) const noexcept {
+  switch (state_) {
+    case State::idle:
+    case State::suspend: return false;
+    case State::integrating:
+    case State::bus_off: return bits_to_return() == 1;
+    case State::active_flag:
+    case State::overload_flag: return !dominant;
+    case State::passive_flag: return dominant && ack_error_open_;
+    case State::superposition:
+    case State::delimiter:
+    case State::intermission: return dominant;
+    case State::frame: break;
+  }
+  if (transmitting_ && stream_.bits[position_].dominant != dominant) return true;
+  switch (field_) {
+    case Field::stuffed: return row_ == 5 && dominant == last_dominant_;
+    case Field::crc_delimiter: return dominant;
+    case Field::ack_slot: return true;
+    case Field::ack_delimiter: return dominant || crc_ != crc_seen_;
+    case Field::eof: break;
+  }
+  return dominant || field_bits_ + 1 == eof_bits;
+}
+
+void BitController::copy_reception(const BitController& other, int more_sequences) noexcept {
+  resume(other.progress());
+  sequences_ += static_cast<unsigned>(more_sequences);
   frame_ = other.frame_;
 }
 
-void BitController::go_bus_off_if_due() noexcept {
+unsigned BitController::bits_to_return(int more_sequences) const noexcept {
+  if (state_ == State::integrating) return integration_bits - count_;
+  if (state_ != State::bus_off || !recovering_) return no_return;
+  return integration_bits * (recovery_sequences - sequences_ - static_cast<unsigned>(more_sequences)) -
+         count_;
+}
+
+std::optional<unsigned> BitController::contend(const can::Frame& frame,
+                                               const BitController& winner) noexcept {
+  std::optional<unsigned> lost_at;
+  transmit(frame);
+  const std::size_t seen = std::min<std::size_t>(winner.position_, winner.decided());
+  while (position_ < seen) {
+    const unsigned bit = payload_;
+    if (sample(winner.stream_.bits[position_].dominant).lost) lost_at = bit;
+  }
+  return lost_at;
+}
+
+void BitController::enter_bus_off_if_due() noexcept {
   if (faults_.state() != can::ErrorState::bus_off || state_ == State::bus_off) return;
   transmitting_ = false;
   sequences_ = 0;

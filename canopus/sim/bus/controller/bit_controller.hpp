@@ -13,6 +13,7 @@
 //                         bus_off -> idle
 
 #include <cstdint>
+#include <optional>
 
 #include "canopus/can/bus_error.hpp"
 #include "canopus/can/fault_confinement.hpp"
@@ -29,8 +30,9 @@ inline constexpr unsigned suspend_bits = 8;
 /// The field of a bit before the CRC, by its number from SOF = 0 without stuff bits.
 [[nodiscard]] can::FrameField field_of_bit(unsigned bit, bool extended) noexcept;
 
-class BitController {
- public:
+/// How far a controller is in what is on the wire: all that its bits have changed, but for its error counters and the frame it
+/// received last.
+struct BitProgress {
   enum class State : std::uint8_t {
     integrating,    // started: waits for 11 recessive bits
     idle,           // waits for a SOF or for something to send
@@ -44,6 +46,35 @@ class BitController {
     suspend,  // a passive transmitter lets others go first
     bus_off,
   };
+  enum class Field : std::uint8_t { stuffed, crc_delimiter, ack_slot, ack_delimiter, eof };
+
+  State state_ = State::idle;
+  unsigned count_ = 0;      // bits in the present state
+  unsigned sequences_ = 0;  // of 11 recessive bits, in bus_off
+
+  // The present or last frame.
+  bool transmitting_ = false;
+  unsigned overloads_left_ = 0;  // overload frames to ask for after this frame
+  bool overload_ = false;        // the present flag is an overload flag
+  bool ack_error_open_ = false;  // passive: counts only if the flag sees a dominant bit
+  bool flag_last_dominant_ = false;
+  unsigned position_ = 0;  // on the wire, from SOF
+
+  // Reception.
+  Field field_ = Field::stuffed;
+  bool last_dominant_ = false;
+  unsigned row_ = 0;
+  unsigned payload_ = 0;  // destuffed bits so far
+  unsigned crc_begin_ = 0;
+  std::uint16_t crc_ = 0;
+  std::uint16_t crc_seen_ = 0;
+  unsigned field_bits_ = 0;
+  can::Frame incoming_;
+};
+
+class BitController : private BitProgress {
+ public:
+  using BitProgress::State;
 
   /// What a receiver's counters did.
   enum class Counted : std::uint8_t { nothing, success, error, severe_error };
@@ -104,11 +135,50 @@ class BitController {
     count_ = bits;
   }
 
-  /// Receives the same frame and has seen the same of it: what comes finds both alike as long as both have the same
-  /// error state. Neither asks for overload frames.
-  [[nodiscard]] bool receives_as(const BitController& other) const noexcept;
-  /// Comes to the state of `other`, which receives_as() it.
-  void copy_reception(const BitController& other) noexcept;
+  /// Is idle, integrates or is bus-off as the other one, or receives the same frame and has seen the same of it: what comes finds
+  /// both alike as long as both have the same error state, but that sequences() may differ. Neither asks for overload frames.
+  [[nodiscard]] bool is_alike(const BitController& other) const noexcept;
+  /// Comes to the state of `other`, which is_alike(), with so many more sequences().
+  void copy_reception(const BitController& other, int more_sequences) noexcept;
+  /// Of 11 recessive bits, since it is bus-off.
+  [[nodiscard]] unsigned sequences() const noexcept { return sequences_; }
+
+  /// Where it is, to resume() there.
+  [[nodiscard]] const BitProgress& progress() const noexcept { return *this; }
+  void resume(const BitProgress& progress) noexcept { BitProgress::operator=(progress); }
+
+  /// How many bits it takes at least until it takes part again, while it integrates or is bus-off; else, and if it does not
+  /// recover, no_return. `more_sequences`: if it had so many more.
+  static constexpr unsigned no_return = ~0U;
+  [[nodiscard]] unsigned bits_to_return(int more_sequences = 0) const noexcept;
+
+  /// Whether anything may come of the next bit, if it has this level, but that the controller goes on: an event, or other counters.
+  [[nodiscard]] bool may_report(bool dominant) const noexcept;
+  /// Bits of its frame that pass before its ACK slot, if it and those that receive them see what it sends.
+  [[nodiscard]] unsigned bits_to_acknowledgement() const noexcept {
+    return transmitting() && position_ < stream_.ack_slot
+               ? static_cast<unsigned>(stream_.ack_slot) - position_
+               : 0;
+  }
+  /// Receives the frame that `transmitter` sends, and has seen the same of it.
+  [[nodiscard]] bool receives_from(const BitController& transmitter) const noexcept;
+  /// Of bits that pass: how many recessive ones come before the first dominant one, and after the last.
+  struct RecessiveRuns {
+    unsigned before = 0;
+    unsigned after = 0;
+  };
+  /// It sees so many bits as it sends them, bits_to_acknowledgement() at most.
+  RecessiveRuns pass_bits(unsigned bits) noexcept;
+  /// Comes to where `transmitter`, which it receives_from(), is after pass_bits().
+  void follow(const BitController& transmitter) noexcept;
+  /// While it integrates or is bus-off: so many bits of another one's frame pass, less than bits_to_return().
+  void wait(unsigned bits, RecessiveRuns runs) noexcept;
+
+  /// Begins to send as if it had done so with the SOF of `winner`, whose bits have been on the wire since. Returns the bit, from
+  /// SOF = 0 and without stuff bits, where it has lost arbitration to it; none: both still send.
+  std::optional<unsigned> contend(const can::Frame& frame, const BitController& winner) noexcept;
+  /// The bit, from SOF = 0, is behind the arbitration field of the frame that it sends.
+  [[nodiscard]] bool is_behind_arbitration(unsigned bit) const noexcept { return bit >= decided(); }
 
   [[nodiscard]] State state() const noexcept { return state_; }
   [[nodiscard]] bool idle() const noexcept { return state_ == State::idle; }
@@ -143,9 +213,11 @@ class BitController {
   [[nodiscard]] const can::Frame& frame() const noexcept { return frame_; }
 
  private:
-  enum class Field : std::uint8_t { stuffed, crc_delimiter, ack_slot, ack_delimiter, eof };
-
+  /// All contenders have lost to its frame before this bit: by RTR, or an extended frame to a base one by IDE, which may have a
+  /// stuff bit before it.
+  [[nodiscard]] std::size_t decided() const noexcept { return stream_.arbitration_end + 2; }
   [[nodiscard]] bool begins_early() const noexcept;
+  [[nodiscard]] bool has_parsed_as(const BitController& other) const noexcept;
   void begin_frame() noexcept;
   void send(const can::Frame& frame) noexcept;
   void sample_frame(bool dominant, Events& events) noexcept;
@@ -161,7 +233,7 @@ class BitController {
   }
   void expect_intermission() noexcept;
   void after_intermission() noexcept;
-  void go_bus_off_if_due() noexcept;
+  void enter_bus_off_if_due() noexcept;
   void severe(Events& events) noexcept;
   void receiver_severe_error(Events& events) noexcept {
     faults_.receiver_severe_error();
@@ -169,35 +241,13 @@ class BitController {
   }
 
   can::FaultConfinement& faults_;
-  State state_ = State::idle;
   bool listen_only_ = false;
   bool recovering_ = false;
-  unsigned count_ = 0;      // bits in the present state
-  unsigned sequences_ = 0;  // of 11 recessive bits, in bus_off
-
-  // The present or last frame.
-  bool transmitting_ = false;
   unsigned overload_frames_ = 0;
   unsigned early_bits_ = 0;
-  unsigned overloads_left_ = 0;  // of them, after this frame
-  bool overload_ = false;        // the present flag is an overload flag
-  bool ack_error_open_ = false;  // passive: counts only if the flag sees a dominant bit
-  bool flag_last_dominant_ = false;
   bool has_stream_ = false;
   can::Frame sent_;
-  BitStream stream_;          // of sent_
-  std::size_t position_ = 0;  // on the wire, from SOF
-
-  // Reception.
-  Field field_ = Field::stuffed;
-  bool last_dominant_ = false;
-  unsigned row_ = 0;
-  unsigned payload_ = 0;  // destuffed bits so far
-  unsigned crc_begin_ = 0;
-  std::uint16_t crc_ = 0;
-  std::uint16_t crc_seen_ = 0;
-  unsigned field_bits_ = 0;
-  can::Frame incoming_;
+  BitStream stream_;  // of sent_
   can::Frame frame_;
 };
 
@@ -223,7 +273,7 @@ inline BitController::Position BitController::position() const noexcept {
           .row = row_,
           .payload = payload_,
           .crc_begin = crc_begin_,
-          .number = state_ == State::frame ? static_cast<unsigned>(position_) : count_};
+          .number = state_ == State::frame ? position_ : count_};
 }
 inline can::FrameField BitController::field() const noexcept { return position().field(); }
 

@@ -41,6 +41,11 @@ void BitClock::skip(unsigned quanta) noexcept {
     seen_ = (seen_ << 1 | (seen_ & 1U)) & 7U;
 }
 
+void BitClock::skip_to_next_bit() noexcept {
+  skip(to_end());
+  begin_bit();
+}
+
 BitClock::Quantum BitClock::monitor(bool dominant, bool hard, bool driving) noexcept {
   const bool edge = dominant && (seen_ & 1U) == 0;
   seen_ = (seen_ << 1 | (dominant ? 1U : 0U)) & 7U;

@@ -55,9 +55,12 @@ class BitClock {
 
   /// So many quanta pass, before the next sample point and the end of the bit, and the level stays as it was last seen.
   void skip(unsigned quanta) noexcept;
-  /// Quanta from the present one to the next sample point of this bit, and to the next bit.
+  /// The quanta to the next bit pass, and its first one, behind the sample point. The level stays as it was last seen.
+  void skip_to_next_bit() noexcept;
+  /// Quanta from the present one to the next sample point of this bit, to the next bit, and to the sample point of that.
   [[nodiscard]] unsigned to_sample_point() const noexcept { return sample_ - quantum_; }
   [[nodiscard]] unsigned to_end() const noexcept { return end_ - quantum_; }
+  [[nodiscard]] unsigned to_next_sample_point() const noexcept { return to_end() + timing_.sample_point(); }
 
   /// From the start of the bit, 0 is SYNC.
   [[nodiscard]] unsigned quantum() const noexcept { return quantum_; }

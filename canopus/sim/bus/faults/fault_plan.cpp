@@ -229,6 +229,18 @@ can::Duration FaultPlan::on_send(const BusPort& sender, const can::Frame& frame,
   return {};
 }
 
+bool FaultPlan::end_rules(std::size_t number, can::Time now) noexcept {
+  bool is_ended = false;
+  for (auto* rules : {&frames_, &delays_}) {
+    for (Rule& rule : *rules) {
+      if (rule.number != number) continue;
+      rule.fault.until = std::min(rule.fault.until, now);
+      is_ended = true;
+    }
+  }
+  return is_ended;
+}
+
 std::vector<FaultState> FaultPlan::states() const {
   std::vector<FaultState> states(count_);
   for (const auto* rules : {&frames_, &delays_}) {

@@ -70,6 +70,8 @@ class FaultPlan {
   /// When a fault begins, ends or babbles next.
   [[nodiscard]] can::Time next() const noexcept { return timed_faults_.empty() ? can::never : next_change(); }
   [[nodiscard]] std::vector<FaultState> states() const;
+  /// The rules of this fault hit no frame from now on. False: it has none.
+  bool end_rules(std::size_t number, can::Time now) noexcept;
   /// Of which the times are multiples that the faults have of their own; 0:
   /// they have none.
   [[nodiscard]] can::Duration time_grid() const noexcept { return time_grid_; }

@@ -53,12 +53,13 @@ void LineClocks::set_rate(Station& station, std::uint32_t bit_rate) noexcept {
 
 can::Time LineClocks::quantum_begin(const Station& station, std::uint64_t number) noexcept {
   const double after = station.phase + static_cast<double>(number) * station.quantum;
-  return station.origin + can::Duration(static_cast<std::int64_t>(std::ceil(after - rounding)));
+  const auto below = static_cast<std::int64_t>(after - rounding);  // quicker than std::ceil()
+  return station.origin + can::Duration(static_cast<double>(below) < after - rounding ? below + 1 : below);
 }
 
 std::uint64_t LineClocks::quantum_from(const Station& station, can::Time time) noexcept {
   const double after = static_cast<double>((time - station.origin).count()) - 1 - station.phase;
-  auto number = static_cast<std::uint64_t>(std::max(std::floor(after / station.quantum), 0.0));
+  auto number = static_cast<std::uint64_t>(std::max(after / station.quantum, 0.0));
   while (quantum_begin(station, number) < time) ++number;
   return number;
 }
@@ -113,9 +114,20 @@ can::Time LineClocks::end_of_bit(std::size_t port) const noexcept {
   return quanta_later(stations_[port], stations_[port].clock.to_end());
 }
 
+can::Time LineClocks::next_sample_point(std::size_t port) const noexcept {
+  return quanta_later(stations_[port], stations_[port].clock.to_next_sample_point());
+}
+
+void LineClocks::pass_end_of_bit(std::size_t port) noexcept {
+  Station& station = stations_[port];
+  station.monitored = end_of_bit(port);
+  station.quanta += station.clock.to_end();
+  station.clock.skip_to_next_bit();
+}
+
 can::Time LineClocks::next_quantum(std::size_t port, can::Time now, can::Time then) const noexcept {
+  if (!monitors(port)) return then;
   const Station& station = stations_[port];
-  if (station.monitored >= changed_ + longest_) return then;
   const std::uint64_t number = std::max(quantum_from(station, now), station.quanta);
   return std::min(quantum_begin(station, number), then);
 }
@@ -126,6 +138,7 @@ void LineClocks::drive(std::size_t port, bool dominant, can::Time now) {
   if (driven.empty()) driving_.push_back(port);
   driven.push_back({now, dominant});
   changed_ = now;
+  forgetting_ = std::min(forgetting_, is_old_at(stations_[port]));
 }
 
 bool LineClocks::sees(std::size_t to, std::size_t from, can::Time now) const noexcept {
@@ -137,15 +150,29 @@ bool LineClocks::sees(std::size_t to, std::size_t from, can::Time now) const noe
   return false;
 }
 
+/// When what the port has driven first is not seen any more.
+can::Time LineClocks::is_old_at(const Station& station) const noexcept {
+  const std::vector<Change>& driven = station.driven;
+  if (driven.size() == 1 && driven.front().dominant) return can::never;
+  return (driven.size() == 1 ? driven.front() : driven[1]).time + longest_ + can::Duration(1);
+}
+
 void LineClocks::forget(can::Time now) noexcept {
+  if (now < forgetting_) return;
+  forgetting_ = can::never;
   std::erase_if(driving_, [&](std::size_t port) {
     std::vector<Change>& driven = stations_[port].driven;
     std::size_t old = 0;
     while (old + 1 < driven.size() && driven[old + 1].time + longest_ < now) ++old;
     driven.erase(driven.begin(), driven.begin() + static_cast<std::ptrdiff_t>(old));
-    if (driven.size() > 1 || driven.front().dominant || driven.front().time + longest_ >= now) return false;
-    driven.clear();
-    return true;
+    const bool is_seen =
+        driven.size() > 1 || driven.front().dominant || driven.front().time + longest_ >= now;
+    if (is_seen) {
+      forgetting_ = std::min(forgetting_, is_old_at(stations_[port]));
+    } else {
+      driven.clear();
+    }
+    return !is_seen;
   });
 }
 

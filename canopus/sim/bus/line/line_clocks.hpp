@@ -41,6 +41,14 @@ class LineClocks {
   /// Its next sample point, or its next bit, as synchronisation has them now.
   [[nodiscard]] can::Time sample_point(std::size_t port) const noexcept;
   [[nodiscard]] can::Time end_of_bit(std::size_t port) const noexcept;
+  /// The sample point of its next bit, if no level comes to it before.
+  [[nodiscard]] can::Time next_sample_point(std::size_t port) const noexcept;
+  /// Its clock goes on to end_of_bit(), which nothing was to be seen before.
+  void pass_end_of_bit(std::size_t port) noexcept;
+  /// A level may be on its way to the port: it has to monitor the wire in every quantum.
+  [[nodiscard]] bool monitors(std::size_t port) const noexcept {
+    return stations_[port].monitored < changed_ + longest_;
+  }
   /// The quantum at or after `now` in which it has to monitor the wire; by itself it would at `then`, a sample point or the end
   /// of a bit.
   [[nodiscard]] can::Time next_quantum(std::size_t port, can::Time now, can::Time then) const noexcept;
@@ -49,10 +57,13 @@ class LineClocks {
   void drive(std::size_t port, bool dominant, can::Time now);
   /// Something else changed what is seen.
   void disturb(can::Time now) noexcept { changed_ = now; }
+  /// What is driven or seen has changed now.
+  [[nodiscard]] bool has_changed(can::Time now) const noexcept { return changed_ == now; }
   /// Whether `from` is seen dominant at `to`.
   [[nodiscard]] bool sees(std::size_t to, std::size_t from, can::Time now) const noexcept;
   /// The ports that drive dominant, or have until lately.
   [[nodiscard]] const std::vector<std::size_t>& driving() const noexcept { return driving_; }
+  /// Forgets what all ports have seen by now.
   void forget(can::Time now) noexcept;
 
  private:
@@ -80,6 +91,7 @@ class LineClocks {
   [[nodiscard]] static can::Time quanta_later(const Station& station, unsigned quanta) noexcept {
     return quantum_begin(station, station.quanta - 1 + quanta);
   }
+  [[nodiscard]] can::Time is_old_at(const Station& station) const noexcept;
   void measure();
 
   Line line_;
@@ -88,6 +100,7 @@ class LineClocks {
   std::vector<std::size_t> driving_;
   can::Duration longest_{};
   can::Time changed_{};
+  can::Time forgetting_ = can::never;  // of forget(): the next moment with something to do
 };
 
 }  // namespace canopus::sim

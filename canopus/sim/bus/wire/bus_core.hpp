@@ -68,6 +68,7 @@ struct BusCore {
   std::vector<can::BusErrorReport> error_reports;  // of the present moment
   std::vector<can::ControllerReport> controller_reports;
   can::BusStatistics statistics;
+  can::BusStatistics far_statistics;  // of `statistics`, what was on the far side of a cut
   AcceptanceTable acceptance;
   FaultPlan plan;
   bool had_faults = false;  // some were set: what they do to the bus beside its frames is to be checked

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -95,6 +96,10 @@ class alignas(64) BusPort final : public can::Port {
     if (!pending.offered) return;
     pending.is_babble = babble_goes_first();
     pending.frame = pending.is_babble ? babble : queue.front();
+  }
+  /// In the frame with this number it takes no part, whatever it offers.
+  void take_no_part(std::uint64_t frame_number) noexcept {
+    pending = {.frame_number = frame_number, .offered = false};
   }
   /// It is on the wire with what it offered then.
   void restore_pending() noexcept {
@@ -249,7 +254,21 @@ class alignas(64) BusPort final : public can::Port {
   };
   BitController bits{faults};
   BitPhase phase;
-  BusPort* lockstep_leader = nullptr;  // simulates the bits of this one, too: see Lockstep
+  /// See class Lockstep.
+  struct LockstepState {
+    BusPort* leader = nullptr;  // simulates the bits of this port, too
+    unsigned followers = 0;     // of this port
+    // Of the recovery from bus-off: a follower's, more than its leader's; a leader's, the most that one of them has more, or 0.
+    int more_sequences = 0;
+    struct Report {
+      bool dominant;
+      bool flagging;
+      can::FrameField field;
+      friend bool operator==(const Report&, const Report&) = default;
+    };
+    std::optional<Report> reported;  // last, of the bits of its followers; none: some have just joined
+  };
+  LockstepState lockstep;
 
  private:
   bool send_with_faults(const can::Frame& frame);

@@ -47,6 +47,21 @@ struct WireState {
     faults = {};
     faults_ready = false;
   }
+  /// What was on this wire counts for the bus, and for its side of a cut.
+  void count_frame(const can::Frame& frame) noexcept {
+    core.statistics.frame(frame);
+    if (!is_near) [[unlikely]]
+      core.far_statistics.frame(frame);
+  }
+  void count_error_frame() noexcept {
+    core.statistics.error_frame();
+    if (!is_near) core.far_statistics.error_frame();
+  }
+  void count_busy(can::Time start, can::Time end, std::uint64_t bits) noexcept {
+    core.statistics.busy(start, end, bits);
+    if (!is_near) [[unlikely]]
+      core.far_statistics.busy(start, end, bits);
+  }
   /// Notifies the participants whose controllers have changed.
   void notify_controller_changes(can::Time now);
 
@@ -61,8 +76,12 @@ struct WireState {
   can::Time deadline = can::never;
   // Whole frames: end of the last intermission, before which no offer starts a frame.
   can::Time free_from{};
-  // Of the whole frame on the wire: ports keep with it what they offered when the frame began, for its replay.
+  // Of the frame on the wire, a whole one or one with deferred contenders: ports keep with it what they offered when the frame
+  // began.
   std::uint64_t frame_number = 0;
+  // Bit by bit: the sender of the frame on the wire, if the ports that lose arbitration to it, as its bits and theirs say, were
+  // not made to begin: they receive from the start. Null: all that began were.
+  BusPort* uncontended = nullptr;
   // Whole frames: an offer of this port starts no frame yet.
   Suspension suspension;
   // Of the ports' offers. The port of a whole frame on the wire may still be in it.
@@ -94,10 +113,11 @@ class Wire : public WireState {
  public:
   using WireState::WireState;
 
-  /// What the port offers is going to change, without before_change(): a whole frame on the wire that comes to be replayed
-  /// bit by bit needs what it was.
+  /// What the port offers is going to change, without before_change(): a frame on the wire whose contenders come to be
+  /// simulated needs what it was.
   void snapshot_pending(BusPort& port) noexcept {
-    if (mode == Mode::frame && port.pending.frame_number != frame_number) port.snapshot_pending(frame_number);
+    if ((mode == Mode::frame || uncontended != nullptr) && port.pending.frame_number != frame_number)
+      port.snapshot_pending(frame_number);
   }
   /// It has changed.
   [[gnu::always_inline]] void offer_changed(BusPort& port) {
