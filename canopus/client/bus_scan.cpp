@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "canopus/can/little_endian.hpp"
+#include "canopus/canopen/sdo/uploaded_value.hpp"
 
 namespace canopus::client {
 namespace {
@@ -18,17 +19,18 @@ constexpr can::Duration heartbeat_slack = std::chrono::milliseconds(100);
 struct Question {
   std::uint16_t index;
   std::uint8_t sub;
+  std::size_t length;                               ///< bytes of its type; 0: a text
   std::optional<std::uint32_t> FoundNode::*answer;  ///< null: the name
 };
 constexpr std::array<Question, 8> questions{{
-    {0x1000, 0, &FoundNode::device_type},
-    {0x1018, 1, &FoundNode::vendor},
-    {0x1018, 2, &FoundNode::product},
-    {0x1018, 3, &FoundNode::revision},
-    {0x1018, 4, &FoundNode::serial},
-    {0x1008, 0, nullptr},
-    {0x1017, 0, &FoundNode::heartbeat_ms},
-    {0x100C, 0, &FoundNode::guard_ms},
+    {0x1000, 0, 4, &FoundNode::device_type},
+    {0x1018, 1, 4, &FoundNode::vendor},
+    {0x1018, 2, 4, &FoundNode::product},
+    {0x1018, 3, 4, &FoundNode::revision},
+    {0x1018, 4, 4, &FoundNode::serial},
+    {0x1008, 0, 0, nullptr},
+    {0x1017, 0, 2, &FoundNode::heartbeat_ms},
+    {0x100C, 0, 2, &FoundNode::guard_ms},
 }};
 
 std::string text_of(std::span<const std::uint8_t> bytes) {
@@ -63,47 +65,59 @@ class BusScan::NodeQuery final : public canopen::SdoClientListener {
     node_id_ = node_id;
     question_ = 0;
     client.set_server(node_id);
-    ask(now);
+    send_request(now);
+  }
+  /// The first request without an answer: the node is not there, and gets no abort frame, as one to each of 120
+  /// missing nodes would only fill the bus and its recordings.
+  void tick(can::Time now) {
+    const bool is_first = question_ == 0 && client.busy();
+    if (!is_first || now < can::later(asked_at_, scan_.time_out_)) return client.tick(now);
+    client.drop(AbortCode::timed_out);
+    done(now);
   }
   void sdo_finished(canopen::SdoClient&, can::Time now) override {
     FoundNode& node = scan_.nodes_[node_id_];
     const AbortCode code = client.abort_code();
     if (code == AbortCode::none) {
       node.answers_sdo = true;
-      take(node);
+      store_result(node);
     } else if (code == AbortCode::timed_out) {
       return done(now);  // no node there, or lost during the transfer
     } else {
       node.answers_sdo = true;  // an abort is an answer
     }
     if (++question_ == questions.size()) return done(now);
-    ask(now);
+    send_request(now);
   }
 
   canopen::SdoClient client;
   bool working = true;
 
  private:
-  void ask(can::Time now) {
+  void send_request(can::Time now) {
     const Question& question = questions[question_];
+    asked_at_ = now;
     if (!client.upload(question.index, question.sub, *this, now, scan_.time_out_)) done(now);
   }
   void done(can::Time now) {
     ++scan_.asked_;
     scan_.next_node(*this, now);
   }
-  void take(FoundNode& node) {
-    const auto bytes = client.data();
-    if (questions[question_].answer == nullptr) {
+  void store_result(FoundNode& node) {
+    const Question& question = questions[question_];
+    const auto bytes =
+        canopen::uploaded_value(client.data(), client.is_size_indicated(), question.length).bytes;
+    if (question.answer == nullptr) {
       node.name = text_of(bytes);
       return;
     }
-    node.*questions[question_].answer = can::load_u32(bytes);
+    node.*question.answer = can::load_u32(bytes);
   }
 
   BusScan& scan_;
   std::uint8_t node_id_ = 0;
   std::size_t question_ = 0;
+  can::Time asked_at_{};
 };
 
 BusScan::BusScan(can::Sink& sink, std::uint8_t first, std::uint8_t last, can::Duration time_out)
@@ -126,12 +140,12 @@ void BusScan::start(can::Time now) {
 void BusScan::next_node(NodeQuery& query, can::Time now) {
   if (next_ <= last_) return query.begin(static_cast<std::uint8_t>(next_++), now);
   query.working = false;
-  if (std::ranges::none_of(queries_, &NodeQuery::working)) asked_all(now);
+  if (std::ranges::none_of(queries_, &NodeQuery::working)) all_requested(now);
 }
 
 // The responses of a guarded node are received within its guard time; a guarding frame of our own would
 // disturb the master's toggle bit.
-void BusScan::asked_all(can::Time now) {
+void BusScan::all_requested(can::Time now) {
   can::Duration longest{};
   for (const FoundNode& node : nodes_) {
     if (!node.answers_sdo || node.state) continue;
@@ -181,7 +195,7 @@ void BusScan::receive(const can::Frame& frame, can::Time now) {
 
 void BusScan::tick(can::Time now) {
   for (const auto& query : queries_) {
-    if (query->client.deadline() <= now) query->client.tick(now);
+    if (query->client.deadline() <= now) query->tick(now);
   }
   if (now < phase_end_) return;
   if (phase_ == Phase::listening) {

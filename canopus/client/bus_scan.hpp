@@ -4,7 +4,7 @@
 // heartbeat and is not guarded gets a guarding remote frame.
 //
 // Sixteen nodes are asked at a time, each over its default SDO channel, which no other client should be
-// using.
+// using. A node that does not answer gets one frame.
 
 #include <array>
 #include <cstdint>
@@ -24,10 +24,10 @@ struct FoundNode {
   bool answers_sdo = false;  ///< false: only heartbeat, boot-up or guarding received, for example in Stopped
   std::optional<canopen::NmtState> state{};     ///< unknown: no error control
   std::optional<std::uint32_t> device_type{};   ///< 1000H
-  std::optional<std::uint32_t> vendor{};        ///< 1018H:01
-  std::optional<std::uint32_t> product{};       ///< 1018H:02
-  std::optional<std::uint32_t> revision{};      ///< 1018H:03
-  std::optional<std::uint32_t> serial{};        ///< 1018H:04
+  std::optional<std::uint32_t> vendor{};        ///< 1018:01
+  std::optional<std::uint32_t> product{};       ///< 1018:02
+  std::optional<std::uint32_t> revision{};      ///< 1018:03
+  std::optional<std::uint32_t> serial{};        ///< 1018:04
   std::optional<std::string> name{};            ///< 1008H
   std::optional<std::uint32_t> heartbeat_ms{};  ///< 1017H
   std::optional<std::uint32_t> guard_ms{};      ///< 100CH
@@ -60,7 +60,7 @@ class BusScan final : public can::Participant {
   enum class Phase : std::uint8_t { idle, asking, listening, guarding, finished };
 
   void next_node(NodeQuery& query, can::Time now);
-  void asked_all(can::Time now);
+  void all_requested(can::Time now);
   void listened(can::Time now);
   [[nodiscard]] bool states_are_known() const;
 

@@ -84,7 +84,7 @@ std::expected<std::string, std::string> Connection::exchange(std::string request
 
 }  // namespace
 
-std::expected<Json, std::string> ask_control(const ControlConnection& connection, const Json& request) {
+std::expected<Json, std::string> request_control(const ControlConnection& connection, const Json& request) {
   Connection open(connection);
   if (auto good = open.open(); !good) return std::unexpected(good.error());
   const auto line = open.exchange(request.dump());

@@ -18,7 +18,7 @@ struct ControlConnection {
 
 /// Sends one request and gives its answer, a JSON object whose "ok" is true. The error is a sentence: the
 /// reason of the failure, or the plant's error message.
-[[nodiscard]] std::expected<text::Json, std::string> ask_control(const ControlConnection& connection,
-                                                                 const text::Json& request);
+[[nodiscard]] std::expected<text::Json, std::string> request_control(const ControlConnection& connection,
+                                                                     const text::Json& request);
 
 }  // namespace canopus::client

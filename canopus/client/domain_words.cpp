@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/ascii/hex.hpp"
 #include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/manager/boot/concise_dcf.hpp"
@@ -14,9 +15,7 @@
 namespace canopus::client {
 namespace {
 
-std::string counted_bytes(std::size_t count) {
-  return fmt::format("{} byte{}", count, count == 1 ? "" : "s");
-}
+std::string counted_bytes(std::size_t count) { return ascii::counted(count, "byte"); }
 
 std::string value_of(const manager::ConciseEntry& entry, canopen::DataType type) {
   constexpr std::size_t most_shown = 64;

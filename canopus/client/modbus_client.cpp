@@ -24,7 +24,7 @@ std::string_view exception_text(unsigned code) {
     case 4: return "failure of the device";
     case 6: return "busy";
     case 0x0A: return "the gateway has no path to this unit";
-    case 0x0B: return "nobody has this unit identifier";
+    case 0x0B: return "no device has this unit identifier";
     default: return "unknown exception";
   }
 }
@@ -44,7 +44,7 @@ class ModbusClient final : public PlcProtocol {
     begin(function);
     u16(*address);
     u16(words.size());
-    const auto data = ask(2 * words.size());
+    const auto data = request(2 * words.size());
     if (!data) return std::unexpected(data.error());
     for (std::size_t i = 0; i < words.size(); ++i)
       words[i] = static_cast<std::uint16_t>(unsigned{(*data)[2 * i]} << 8U | (*data)[2 * i + 1]);
@@ -71,7 +71,7 @@ class ModbusClient final : public PlcProtocol {
     begin(is_input ? 2 : 1);
     u16(*address);
     u16(bits.size());
-    const auto data = ask((bits.size() + 7) / 8);
+    const auto data = request((bits.size() + 7) / 8);
     if (!data) return std::unexpected(data.error());
     for (std::size_t i = 0; i < bits.size(); ++i)
       bits[i] = static_cast<std::uint8_t>((*data)[i / 8] >> (i % 8) & 1U);
@@ -181,7 +181,7 @@ class ModbusClient final : public PlcProtocol {
   }
 
   /// The data of a reply that counts its bytes.
-  Result<std::span<const std::uint8_t>> ask(std::size_t bytes) {
+  Result<std::span<const std::uint8_t>> request(std::size_t bytes) {
     const auto reply = exchange();
     if (!reply) return reply;
     if ((*reply)[0] != bytes || reply->size() != bytes + 1) return std::unexpected(link_.not_a_reply());

@@ -64,7 +64,7 @@ std::string PlcLink::nobody_there(std::string_view error) const {
 
 std::string PlcLink::no_answer() const {
   const std::string within = "no answer within " + text::describe_duration(connection_.timeout);
-  return failed(connection_.udp ? within + ": nobody there, or a datagram was lost" : within);
+  return failed(connection_.udp ? within + ": no answer from this address, or a datagram was lost" : within);
 }
 
 /// Runs the operation that was started, at most for the time-out.

@@ -46,7 +46,7 @@ std::string reason_of(std::span<const std::uint16_t> words) {
     case 0x0F0F: return "the module's state does not allow it";
     case 0x8FFF: return "the module's transmit queue is full: too much load on the bus";
     case 0xB0FF: return "the module is bus-off";
-    case 0xFFFF: return "somebody else wrote to the command interface at the same time";
+    case 0xFFFF: return "another program wrote to the command interface at the same time";
     default: return fmt::format("error class {:04X}H", words[1]);
   }
 }
@@ -189,7 +189,7 @@ Result<std::vector<std::uint32_t>> PlcModule::read_objects(
       const std::span<const std::uint16_t> slot = std::span(*words).subspan(1 + 8 * i, 8);
       const std::uint32_t value = static_cast<std::uint32_t>(slot[5]) << 16 | slot[4];
       if ((slot[0] & 0xFF00) != 0) {
-        return std::unexpected(canopen::object_name(now[i].index, now[i].sub) + ": " + abort_text(value));
+        return std::unexpected(canopen::object_text(now[i].index, now[i].sub) + ": " + abort_text(value));
       }
       values.push_back(slot[3] >= 4 ? value : value & ((1U << 8 * slot[3]) - 1));
     }

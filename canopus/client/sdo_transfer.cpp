@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
+#include "canopus/ascii/hex.hpp"
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/text/byte_size.hpp"
 
@@ -28,6 +30,12 @@ std::string describe_abort(AbortCode code, bool aborted_by_server, can::Duration
                      static_cast<std::uint32_t>(code), canopen::describe(code));
 }
 
+std::string describe_short_answer(const can::Frame& answer) {
+  const auto bytes = answer.bytes();
+  return fmt::format("its answer has {}, expected 8{}{}", ascii::counted(bytes.size(), "byte"),
+                     bytes.empty() ? "" : ": ", ascii::hex_bytes(bytes, " "));
+}
+
 double SdoSpeed::rate() const noexcept {
   const double seconds = can::seconds(can::Time{time});
   return seconds > 0 ? static_cast<double>(bytes) / seconds / 1000 : 0;
@@ -46,8 +54,8 @@ std::string describe(const SdoSpeed& speed) {
   const double seconds = can::seconds(can::Time{speed.time});
   const std::string time =
       seconds < 1 ? fmt::format("{:.1f} ms", 1000 * seconds) : fmt::format("{:.2f} s", seconds);
-  return fmt::format("{} byte{} in {}, {:.1f} kB/s, {}", speed.bytes, speed.bytes == 1 ? "" : "s", time,
-                     speed.rate(), name(speed.form));
+  return fmt::format("{} in {}, {:.1f} kB/s, {}", ascii::counted(speed.bytes, "byte"), time, speed.rate(),
+                     name(speed.form));
 }
 
 AbortCode SdoTransfer::Collector::write(std::span<const std::uint8_t> more) {
@@ -106,7 +114,8 @@ void SdoTransfer::conclude() {
     speed_ = {written_.value_or(collector_.bytes.size()), can::Duration{*ended_ - begun_},
               block_          ? block
               : is_expedited_ ? expedited
-                              : segmented};
+                              : segmented,
+              written_ || client_.is_size_indicated()};
   }
 }
 
@@ -144,6 +153,8 @@ void SdoTransfer::cancel() {
 std::expected<std::vector<std::uint8_t>, SdoFailure> SdoTransfer::result() {
   const AbortCode code = client_.abort_code();
   if (code == AbortCode::none) return std::exchange(collector_.bytes, {});
+  if (const can::Frame* answer = client_.short_answer())
+    return std::unexpected(SdoFailure{code, describe_short_answer(*answer)});
   if (switched_) {
     return std::unexpected(
         SdoFailure{code, "it answers the block upload with an ordinary one; without --block it can be read"});

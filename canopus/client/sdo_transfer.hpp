@@ -16,6 +16,9 @@
 
 namespace canopus::client {
 
+/// Why a frame was not sent: there is no place for it.
+inline constexpr std::string_view bus_takes_no_frame = "the bus takes no frame";
+
 /// Why a transfer failed.
 struct SdoFailure {
   canopen::AbortCode code = canopen::AbortCode::none;  ///< none: the bus, `reason` says what
@@ -28,6 +31,7 @@ struct SdoSpeed {
   std::size_t bytes = 0;
   can::Duration time{};  ///< from the request to the last answer
   Form form = Form::expedited;
+  bool size_indicated = true;  ///< false: read expedited without the number of bytes; all four are kept
 
   /// In kB/s, 1000 bytes each; 0: it took no time.
   [[nodiscard]] double rate() const noexcept;
@@ -113,6 +117,9 @@ class SdoTransfer final : private canopen::SdoClientListener {
 [[nodiscard]] std::string describe_abort(canopen::AbortCode code, bool aborted_by_server,
                                          can::Duration time_out,
                                          std::size_t limit = canopen::SdoClient::default_maximum_size);
+
+/// "its answer has 7 bytes, expected 8: 43 00 10 00 92 01 02" [CiA 301 7.2.4.3]
+[[nodiscard]] std::string describe_short_answer(const can::Frame& answer);
 
 /// As the server got the code: 05040005H for SdoClient::buffer_too_small, which is never on a bus.
 [[nodiscard]] canopen::AbortCode abort_on_bus(canopen::AbortCode code) noexcept;

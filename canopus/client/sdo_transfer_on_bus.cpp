@@ -14,7 +14,7 @@ SdoOnBus::~SdoOnBus() {
 }
 
 std::expected<std::vector<std::uint8_t>, SdoFailure> SdoOnBus::wait(bool started) {
-  if (!started) return std::unexpected(SdoFailure{.reason = "the bus takes no frame"});
+  if (!started) return std::unexpected(SdoFailure{.reason = std::string(bus_takes_no_frame)});
   switch (bus_.run([this] { return transfer_.is_finished(); })) {
     case BusLoop::End::done: return transfer_.result();
     case BusLoop::End::interrupted:

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/ascii/hex.hpp"
 #include "canopus/ascii/number.hpp"
 #include "canopus/can/little_endian.hpp"
@@ -217,9 +218,8 @@ std::expected<std::vector<std::uint8_t>, std::string> encode_value(std::string_v
 
 std::expected<std::string, std::string> show_value(std::span<const std::uint8_t> bytes, DataType type) {
   if (!fits(bytes, type)) {
-    return std::unexpected(fmt::format("{} byte{} came ({}), {} has {}", bytes.size(),
-                                       bytes.size() == 1 ? "" : "s", hexadecimal(bytes), type_name(type),
-                                       canopen::byte_length(type)));
+    return std::unexpected(fmt::format("{} came ({}), {} has {}", ascii::counted(bytes.size(), "byte"),
+                                       hexadecimal(bytes), type_name(type), canopen::byte_length(type)));
   }
   switch (type) {
     case DataType::boolean: return bytes[0] != 0 ? "true" : "false";

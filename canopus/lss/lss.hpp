@@ -12,7 +12,7 @@
 
 namespace canopus::lss {
 
-/// The LSS address of a device: 1018H:01..04.
+/// The LSS address of a device: 1018:01..04.
 struct LssAddress {
   std::uint32_t vendor = 0;
   std::uint32_t product = 0;

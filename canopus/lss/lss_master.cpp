@@ -91,14 +91,14 @@ bool LssMaster::select(const LssAddress& address, can::Time now) {
   return true;
 }
 
-void LssMaster::ask_range(const LssAddress& low, const LssAddress& high, can::Time now) {
+void LssMaster::request_range(const LssAddress& low, const LssAddress& high, can::Time now) {
   begin_sequence(lss::command::identify_vendor,
                  {low.vendor, low.product, low.revision, high.revision, low.serial, high.serial}, now);
 }
 
 bool LssMaster::identify(const LssAddress& low, const LssAddress& high, can::Time now) {
   if (!begin(Service::sequence, lss::command::identified)) return false;
-  ask_range(low, high, now);
+  request_range(low, high, now);
   return true;
 }
 
@@ -107,12 +107,12 @@ bool LssMaster::slow_scan(const LssAddress& low, const LssAddress& high, can::Ti
   address_ = low;
   highest_ = high;
   halving_ = false;
-  ask_range(low, high, now);
+  request_range(low, high, now);
   return true;
 }
 
 // Revision first: among slaves of one revision the serial numbers are halved.
-void LssMaster::ask_lower_half(can::Time now) {
+void LssMaster::request_lower_half(can::Time now) {
   halving_ = true;
   LssAddress middle = highest_;
   if (address_.revision != highest_.revision) {
@@ -125,7 +125,7 @@ void LssMaster::ask_lower_half(can::Time now) {
     return begin_sequence(lss::command::select_vendor,
                           {address_.vendor, address_.product, address_.revision, address_.serial}, now);
   }
-  ask_range(address_, middle, now);
+  request_range(address_, middle, now);
 }
 
 void LssMaster::slow_scan_answered(bool answered, can::Time now) {
@@ -140,7 +140,7 @@ void LssMaster::slow_scan_answered(bool answered, can::Time now) {
     const std::uint32_t highest = of_revision ? highest_.revision : highest_.serial;
     bound += (highest - bound) / 2 + 1;
   }
-  ask_lower_half(now);
+  request_lower_half(now);
 }
 
 void LssMaster::send_step(can::Time now) {

@@ -103,9 +103,9 @@ class LssMaster {
   void scan_below(unsigned bit);
   void begin_sequence(std::uint8_t first_command, std::initializer_list<std::uint32_t> numbers,
                       can::Time now);
-  void ask_range(const LssAddress& low, const LssAddress& high, can::Time now);
+  void request_range(const LssAddress& low, const LssAddress& high, can::Time now);
   void slow_scan_answered(bool answered, can::Time now);
-  void ask_lower_half(can::Time now);
+  void request_lower_half(can::Time now);
   void finish(LssResult result, can::Time now);
 
   can::Sink* sink_;

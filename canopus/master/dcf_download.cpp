@@ -36,7 +36,7 @@ class Download {
     dictionary.load_defaults(block_, node_id);
   }
 
-  void take_configured(const eds::DeviceFile& file) {
+  void add_configured(const eds::DeviceFile& file) {
     constexpr std::uint32_t no_download = 0x01;
     for (const eds::EntryFacts& facts : file.facts) {
       if (!facts.configured || (facts.object_flags & no_download) != 0 || is_command(facts.index)) continue;
@@ -51,7 +51,7 @@ class Download {
       }
     }
   }
-  std::vector<text::FileError> take(std::span<const text::ObjectSetting> settings) {
+  std::vector<text::FileError> add(std::span<const text::ObjectSetting> settings) {
     std::vector<text::FileError> errors;
     for (const text::ObjectSetting& setting : settings) {
       const auto [index, sub] = setting.object;
@@ -147,8 +147,8 @@ class Download {
 std::expected<std::vector<std::uint8_t>, std::vector<text::FileError>> concise_dcf_of(
     const eds::DeviceFile& file, std::span<const text::ObjectSetting> settings, std::uint8_t node_id) {
   Download download(*file.dictionary, node_id);
-  download.take_configured(file);
-  auto errors = download.take(settings);
+  download.add_configured(file);
+  auto errors = download.add(settings);
   if (!errors.empty()) return std::unexpected(std::move(errors));
   return download.write();
 }

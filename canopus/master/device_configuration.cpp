@@ -78,7 +78,7 @@ std::vector<ComparedValue> values_of(const eds::DeviceFile& file, std::uint8_t n
 
 /// Reads one; false: no answer.
 bool compare(ComparedValue& value, ObjectAccess& access) {
-  auto found = access.read(value.object);
+  auto found = access.read(value.object, value.type);
   if (!found) {
     value.state = found.error().is_refused ? State::refused : State::not_answered;
     value.reason = std::move(found.error().reason);

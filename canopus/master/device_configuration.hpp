@@ -23,7 +23,9 @@ class ObjectAccess {
     std::string reason;  ///< "abort 06090030H: value range of parameter exceeded"
   };
   virtual ~ObjectAccess() = default;
-  [[nodiscard]] virtual std::expected<std::vector<std::uint8_t>, Failure> read(text::ObjectName object) = 0;
+  /// The bytes of a value of this type: an answer without the number of bytes is cut to it.
+  [[nodiscard]] virtual std::expected<std::vector<std::uint8_t>, Failure> read(text::ObjectName object,
+                                                                               canopen::DataType type) = 0;
   [[nodiscard]] virtual std::expected<void, Failure> write(text::ObjectName object,
                                                            std::span<const std::uint8_t> value) = 0;
 };
@@ -47,7 +49,7 @@ struct ComparedValue {
 /// Called after each access: how many are done, of how many. False: go no further.
 using Progress = std::function<bool(std::size_t done, std::size_t of)>;
 
-/// Identity of the device (1000H, 1018H:01-03) against the file, without values that are 0 there; 1000H alone if all are.
+/// Identity of the device (1000H, 1018:01-03) against the file, without values that are 0 there; 1000H alone if all are.
 [[nodiscard]] std::vector<ComparedValue> compare_identity(const eds::DeviceFile& file, ObjectAccess& access);
 
 /// Every value that the DCF configures and that can be read, in order of index. Commands (1010H, 1011H) and those of a file

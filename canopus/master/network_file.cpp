@@ -184,8 +184,11 @@ void add_project(NetworkReading& reading, text::Place place, bool names_master) 
   const auto read_dcf = [&](const std::string& below, const std::string& name) {
     return store::read_inner_file(folder / below, name);
   };
+  const auto find_dcf = [&](const std::string& below, const std::string& name) {
+    return store::find_inner_file(folder / below, name);
+  };
   const network_project::ProjectMembers project =
-      network_project::read_members(network.project, list, network.project_network - 1, read_dcf);
+      network_project::read_members(network.project, list, network.project_network - 1, read_dcf, find_dcf);
   for (const std::string& error : project.errors) reading.errors.push_back({place, error});
   for (const network_project::ProjectMember& member : project.members) {
     if (member.is_manager && !names_master) network.node = member.node_id;
@@ -217,8 +220,8 @@ void check(NetworkReading& reading) {
         {slave.objects_place, "objects = a table: needs the device's eds, which says the objects' types"});
   }
   for (std::size_t i = 0; i < slaves.size(); ++i) {
-    const auto refuse = [&](std::string_view who) {
-      reading.errors.push_back({slaves[i].place, fmt::format("node {} is {}", slaves[i].node, who)});
+    const auto refuse = [&](std::string_view owner) {
+      reading.errors.push_back({slaves[i].place, fmt::format("node {} is {}", slaves[i].node, owner)});
     };
     if (slaves[i].node == 0) continue;
     if (slaves[i].node == reading.network.node) refuse("the master's own ([master] node)");

@@ -36,7 +36,7 @@ struct NetworkSlave {
   can::Duration guard_time{};               ///< whole ms up to 65535; 0 = not guarded
   std::uint8_t retry_factor = 3;
   std::vector<text::ObjectSetting> objects{};       ///< written to it besides its DCF's configured values
-  std::optional<std::uint32_t> software_version{};  ///< 1F55H: what its 1F56H:01 must read
+  std::optional<std::uint32_t> software_version{};  ///< 1F55H: what its 1F56:01 must read
   text::Place program_place{};
   std::string program{};     ///< file that it is given when its version is another; empty = none
   std::uint8_t restore = 0;  ///< 1F8AH: 1011H sub-index written before its configuration; 0 = none

@@ -182,18 +182,18 @@ const NetworkSlave* NetworkMaster::find(std::uint8_t node_id) const {
 
 void NetworkMaster::receive(const can::Frame& frame, can::Time now) {
   MasterNode::receive(frame, now);
-  look_for_master(now);
+  report_master(now);
 }
 
 void NetworkMaster::tick(can::Time now) {
   MasterNode::tick(now);
-  look_for_master(now);
+  report_master(now);
 }
 
-void NetworkMaster::look_for_master(can::Time now) {
-  if (!file_.flying || master().active_master() == told_master_) return;
-  told_master_ = master().active_master();
-  observer_.master_changed(master().active(), told_master_, now);
+void NetworkMaster::report_master(can::Time now) {
+  if (!file_.flying || master().active_master() == reported_master_) return;
+  reported_master_ = master().active_master();
+  observer_.master_changed(master().active(), reported_master_, now);
 }
 
 void NetworkMaster::configure(canopen::ObjectDictionary& objects) {

@@ -79,7 +79,7 @@ class NetworkMaster final : public manager::MasterNode,
   /// The device file's identity and configuration.
   std::expected<eds::Identity, std::vector<text::FileError>> prepare_device(const NetworkSlave& slave);
   void expect_configuration(std::uint8_t node_id);
-  void look_for_master(can::Time now);
+  void report_master(can::Time now);
   void store(std::uint16_t index, std::uint8_t sub, std::uint32_t value) {
     stored_.push_back({index, sub, value});
   }
@@ -108,7 +108,7 @@ class NetworkMaster final : public manager::MasterNode,
   std::array<std::string, 128> programs_;
   std::array<canopen::MemorySource, 128> program_readers_;
   bool finished_ = false;
-  std::uint8_t told_master_ = 0;
+  std::uint8_t reported_master_ = 0;
   unsigned watched_ = 0;  // entries of 1016H in use
 };
 

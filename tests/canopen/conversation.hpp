@@ -59,7 +59,7 @@ class Notebook final : public can::Sink {
     return true;
   }
   /// Everything since the last call, separated by " | ".
-  std::string take() {
+  std::string drain() {
     std::string all;
     for (const auto& line : lines) all += (all.empty() ? "" : " | ") + line;
     lines.clear();
@@ -72,7 +72,7 @@ class Notebook final : public can::Sink {
 };
 
 /// A dictionary with every object of CiA 301 that the node knows, four PDOs each way (not valid), and process
-/// values: 6000H:01-08 U8 and 6401H:01-04 I16 for TPDOs, 6200H:01-08 U8 and 6411H:01-04 I16 for RPDOs, 6020H
+/// values: 6000:01-08 U8 and 6401:01-04 I16 for TPDOs, 6200:01-08 U8 and 6411:01-04 I16 for RPDOs, 6020H
 /// and 6220H BOOLEAN likewise; 2000H.. one of each data type.
 inline DictionaryBuilder standard_objects() {
   DictionaryBuilder b;
@@ -169,16 +169,16 @@ class Conversation : public NodeListener {
       : node(objects.build(), 5, bus, options) {
     node.set_listener(this);
     node.power_on(now);
-    bus.take();
+    bus.drain();
     events.clear();
   }
   explicit Conversation(NodeOptions options) : Conversation(standard_objects(), options) {}
   virtual ~Conversation() = default;
 
   /// A frame comes in; what the node says to it.
-  std::string hear(const std::string& frame) {
+  std::string receive(const std::string& frame) {
     node.receive(from_text(frame), now);
-    return bus.take();
+    return bus.drain();
   }
   /// Time passes; what the node says of itself, each with the millisecond: "100: 705 05".
   std::string wait(can::Duration span) {
@@ -193,11 +193,11 @@ class Conversation : public NodeListener {
     }
     bus.prefix.clear();
     now = end;
-    return bus.take();
+    return bus.drain();
   }
   void start() {
     node.command(NmtCommand::start, now);
-    bus.take();
+    bus.drain();
   }
   /// Writes as the bus does.
   AbortCode write(std::uint16_t index, std::uint8_t sub, std::uint64_t value, unsigned length) {
@@ -215,9 +215,9 @@ class Conversation : public NodeListener {
     const auto cob_id = node.dictionary().get<std::uint32_t>(communication, 1) & 0x7FF;
     const std::uint32_t flags = communication >= 0x1800 && type != 0xFC && type != 0xFD ? 0x40000000U : 0U;
     if (write(communication, 1, cob_id | flags, 4) != AbortCode::none) std::abort();
-    bus.take();
+    bus.drain();
   }
-  std::string take_events() {
+  std::string drain_events() {
     std::string all;
     for (const auto& event : events) all += (all.empty() ? "" : ", ") + event;
     events.clear();

@@ -15,7 +15,7 @@ TEST_F(HeartbeatTest, Producer_SendsTheStateEveryPeriod) {
   EXPECT_EQ(wait(250ms), "1100: 705 7F | 1200: 705 7F");
   start();
   EXPECT_EQ(wait(100ms), "1300: 705 05");
-  hear("000 02 05");
+  receive("000 02 05");
   EXPECT_EQ(wait(100ms), "1400: 705 04");
   write(0x1017, 0, 0, 2);
   EXPECT_EQ(wait(1s), "");
@@ -24,28 +24,28 @@ TEST_F(HeartbeatTest, Producer_SendsTheStateEveryPeriod) {
 TEST_F(HeartbeatTest, Consumer_BeginsWithTheFirstHeartbeat) {
   EXPECT_EQ(write(0x1016, 1, 0x00090064, 4), AbortCode::none);
   EXPECT_EQ(wait(1s), "");
-  hear("709 7F");
-  EXPECT_EQ(take_events(), "heartbeat 9 pre-operational");
+  receive("709 7F");
+  EXPECT_EQ(drain_events(), "heartbeat 9 pre-operational");
   EXPECT_EQ(wait(99ms), "");
-  hear("709 05");
+  receive("709 05");
   EXPECT_EQ(wait(1s), "1199: 085 30 81 11 09 00 00 00 00");
-  EXPECT_EQ(take_events(), "heartbeat 9 operational, lost 9");
-  EXPECT_EQ(hear("709 05"), "085 00 00 00 00 00 00 00 00");
-  EXPECT_EQ(take_events(), "heartbeat 9 operational");
+  EXPECT_EQ(drain_events(), "heartbeat 9 operational, lost 9");
+  EXPECT_EQ(receive("709 05"), "085 00 00 00 00 00 00 00 00");
+  EXPECT_EQ(drain_events(), "heartbeat 9 operational");
 }
 
 TEST_F(HeartbeatTest, BootUpOfAWatchedNode_IsToldAndEndsWatching) {
   write(0x1016, 1, 0x00090064, 4);
-  hear("709 05");
-  hear("709 00");
-  EXPECT_EQ(take_events(), "heartbeat 9 operational, heartbeat 9 initialising");
+  receive("709 05");
+  receive("709 00");
+  EXPECT_EQ(drain_events(), "heartbeat 9 operational, heartbeat 9 initialising");
   EXPECT_EQ(wait(1s), "");
 }
 
 TEST_F(HeartbeatTest, GuardingAnswerWithToggleBit_IsNoHeartbeat) {
   write(0x1016, 1, 0x00090064, 4);
-  hear("709 85");
-  EXPECT_EQ(take_events(), "");
+  receive("709 85");
+  EXPECT_EQ(drain_events(), "");
 }
 
 TEST_F(HeartbeatTest, SameNodeTwice_IsRefused) {
@@ -59,7 +59,7 @@ TEST_F(HeartbeatTest, SameNodeTwice_IsRefused) {
 TEST_F(HeartbeatTest, LostHeartbeat_LeavesOperational) {
   write(0x1016, 1, 0x00090064, 4);
   start();
-  hear("709 05");
+  receive("709 05");
   wait(200ms);
   EXPECT_EQ(node.state(), NmtState::pre_operational);
 }
@@ -68,7 +68,7 @@ TEST_F(HeartbeatTest, LostHeartbeat_DoesNotConcernTheActiveMaster) {
   write(0x1016, 1, 0x00090064, 4);
   start();
   node.set_active_master(true, now);
-  hear("709 05");
+  receive("709 05");
   wait(200ms);
   EXPECT_EQ(node.state(), NmtState::operational);
 }
@@ -76,24 +76,24 @@ TEST_F(HeartbeatTest, LostHeartbeat_DoesNotConcernTheActiveMaster) {
 TEST(Heartbeat, LostNode_CanBeNamedInTheCode) {
   Conversation c(NodeOptions{.guarding_emergency_names_node = true});
   c.write(0x1016, 1, 0x00090064, 4);
-  c.hear("709 05");
+  c.receive("709 05");
   EXPECT_EQ(c.wait(200ms), "100: 085 09 8F 11 00 00 00 00 00");
 }
 
 TEST_F(NodeGuardingTest, Answer_AlternatesTheToggleBit) {
-  EXPECT_EQ(hear("705 R1"), "705 7F");
-  EXPECT_EQ(hear("705 R"), "705 FF");
+  EXPECT_EQ(receive("705 R1"), "705 7F");
+  EXPECT_EQ(receive("705 R"), "705 FF");
   start();
-  EXPECT_EQ(hear("705 R1"), "705 05");
-  hear("000 02 05");
-  EXPECT_EQ(hear("705 R1"), "705 84");
-  hear("000 82 05");
-  EXPECT_EQ(hear("705 R1"), "705 7F");
+  EXPECT_EQ(receive("705 R1"), "705 05");
+  receive("000 02 05");
+  EXPECT_EQ(receive("705 R1"), "705 84");
+  receive("000 82 05");
+  EXPECT_EQ(receive("705 R1"), "705 7F");
 }
 
 TEST_F(NodeGuardingTest, Heartbeat_HasPriority) {
   write(0x1017, 0, 100, 2);
-  EXPECT_EQ(hear("705 R1"), "");
+  EXPECT_EQ(receive("705 R1"), "");
 }
 
 TEST_F(NodeGuardingTest, LifeGuarding_BeginsWithTheFirstRemoteFrame) {
@@ -101,14 +101,14 @@ TEST_F(NodeGuardingTest, LifeGuarding_BeginsWithTheFirstRemoteFrame) {
   write(0x100D, 0, 3, 1);
   start();
   EXPECT_EQ(wait(1s), "");
-  take_events();
-  hear("705 R1");
+  drain_events();
+  receive("705 R1");
   wait(299ms);
-  hear("705 R1");
+  receive("705 R1");
   EXPECT_EQ(wait(1s), "1599: 085 30 81 11 05 00 00 00 00");
-  EXPECT_EQ(take_events(), "life guarding lost, pre-operational");
-  EXPECT_EQ(hear("705 R1"), "705 7F | 085 00 00 00 00 00 00 00 00");
-  EXPECT_EQ(take_events(), "life guarding back");
+  EXPECT_EQ(drain_events(), "life guarding lost, pre-operational");
+  EXPECT_EQ(receive("705 R1"), "705 7F | 085 00 00 00 00 00 00 00 00");
+  EXPECT_EQ(drain_events(), "life guarding back");
 }
 
 TEST_F(ErrorBehaviourTest, CommunicationError_DoesWhat1029HSays) {

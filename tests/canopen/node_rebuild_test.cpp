@@ -26,7 +26,7 @@ struct NodeRebuildTest : testing::Test, Conversation {
     node.power_off();
     node.describe(objects.build(), {});
     node.power_on(now);
-    bus.take();
+    bus.drain();
   }
 };
 
@@ -40,7 +40,7 @@ TEST_F(NodeRebuildTest, AHandler_IsCalledForTheNextDictionary_AlsoForObjectsThat
   describe(more);
   EXPECT_EQ(write(0x2005, 0, 7, 2), AbortCode::hardware_error);
   EXPECT_EQ(write(0x2100, 0, 7, 1), AbortCode::hardware_error);
-  EXPECT_EQ(hear("605 2F 00 21 00 07 00 00 00"), "585 80 00 21 00 00 00 06 06");
+  EXPECT_EQ(receive("605 2F 00 21 00 07 00 00 00"), "585 80 00 21 00 00 00 06 06");
   EXPECT_EQ(refusal.asked, 4);
 }
 
@@ -77,7 +77,7 @@ TEST_F(NodeRebuildTest, NodeId_ListenerAndParameterStore_StayAsTheyAre) {
   node.set_node_id(9);
   describe(objects);
   EXPECT_EQ(node.node_id(), 9);
-  EXPECT_EQ(take_events(), "reset done, pre-operational");
+  EXPECT_EQ(drain_events(), "reset done, pre-operational");
   EXPECT_EQ(write(0x2005, 0, 7, 2), AbortCode::none);
   EXPECT_EQ(write(0x1010, 1, 0x65766173, 4), AbortCode::none);
   EXPECT_FALSE(store.image.empty());
@@ -92,13 +92,13 @@ TEST_F(NodeRebuildTest, AnotherSink_GetsTheFrames_AndTheHandlersStay) {
   Notebook other;
   node.set_sink(other);
   node.power_on(now);
-  EXPECT_EQ(other.take(), "705 00");
-  EXPECT_EQ(hear("605 2B 05 20 00 07 00 00 00"), "");
-  EXPECT_EQ(other.take(), "585 80 05 20 00 00 00 06 06");
+  EXPECT_EQ(other.drain(), "705 00");
+  EXPECT_EQ(receive("605 2B 05 20 00 07 00 00 00"), "");
+  EXPECT_EQ(other.drain(), "585 80 05 20 00 00 00 06 06");
   node.power_off();
   node.set_sink(bus);
   node.power_on(now);
-  EXPECT_EQ(bus.take(), "705 00");
+  EXPECT_EQ(bus.drain(), "705 00");
 }
 
 TEST_F(NodeRebuildTest, IdentifiersChange_AsTheyMay) {

@@ -13,7 +13,7 @@ TEST(ObjectText, AnEntry_HasItsNumbersInHexadecimalWithAllDigits) {
 
 TEST(ObjectText, InASentence_TheIndexHasAnH) {
   EXPECT_EQ(object_name(0x1A), "001AH");
-  EXPECT_EQ(object_name(0x6041, 0x0A), "6041H:0A");
+  EXPECT_EQ(object_text(0x6041, 0x0A), "6041:0A");
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ struct PdoResetTest : testing::Test, Conversation {
     write(mapping, 1, object, 4);
     write(mapping, 0, 1, 1);
     EXPECT_EQ(write(communication, 1, cob_id, 4), AbortCode::none);
-    bus.take();
+    bus.drain();
   }
   void map_others() {
     map(reset_tpdo, 0x4000'0185, 0x6401'0110);
@@ -51,8 +51,8 @@ struct PdoResetTest : testing::Test, Conversation {
   std::string reset_and_start() {
     node.dictionary().set(0x6200, 1, std::uint8_t{0});
     node.dictionary().set(0x6200, 2, std::uint8_t{0});
-    EXPECT_EQ(hear("000 82 05"), "705 00");
-    return hear("000 01 05");
+    EXPECT_EQ(receive("000 82 05"), "705 00");
+    return receive("000 01 05");
   }
 };
 
@@ -61,7 +61,7 @@ TEST_F(PdoResetTest, Defaults_HoldAfterEveryReset) {
     EXPECT_EQ(reset_and_start(), "185 00") << resets;
     const auto due = (now + 15ms).time_since_epoch() / 1ms;
     EXPECT_EQ(wait(20ms), std::to_string(due) + ": 185 00") << resets;
-    hear("205 07");
+    receive("205 07");
     EXPECT_EQ(output(1), 7) << resets;
   }
 }
@@ -69,33 +69,33 @@ TEST_F(PdoResetTest, Defaults_HoldAfterEveryReset) {
 TEST_F(PdoResetTest, WrittenParameters_GiveWayToTheDefaults) {
   for (int resets = 0; resets < 2; ++resets) {
     map_others();
-    EXPECT_EQ(hear("000 01 05"), "185 00 00");
-    hear("205 09");
+    EXPECT_EQ(receive("000 01 05"), "185 00 00");
+    receive("205 09");
     EXPECT_EQ(output(2), 9);
     EXPECT_EQ(reset_and_start(), "185 00");
-    hear("205 07");
+    receive("205 07");
     EXPECT_EQ(output(1), 7);
     EXPECT_EQ(output(2), 0);
-    hear("000 80 05");
+    receive("000 80 05");
   }
 }
 
 TEST_F(PdoResetTest, StoredParameters_AreTaken_AndGoneOnceRestored) {
   map_others();
-  hear("605 23 10 10 01 73 61 76 65");
+  receive("605 23 10 10 01 73 61 76 65");
   for (int resets = 0; resets < 2; ++resets) {
     EXPECT_EQ(reset_and_start(), "185 00 00") << resets;
-    hear("205 09");
+    receive("205 09");
     EXPECT_EQ(output(2), 9) << resets;
   }
-  hear("605 23 11 10 01 6C 6F 61 64");
+  receive("605 23 11 10 01 6C 6F 61 64");
   EXPECT_EQ(reset_and_start(), "185 00");
-  hear("205 07");
+  receive("205 07");
   EXPECT_EQ(output(1), 7);
   map_others();
-  hear("605 23 10 10 01 73 61 76 65");
-  hear("000 82 05");
-  hear("605 23 11 10 01 6C 6F 61 64");
+  receive("605 23 10 10 01 73 61 76 65");
+  receive("000 82 05");
+  receive("605 23 11 10 01 6C 6F 61 64");
   EXPECT_EQ(reset_and_start(), "185 00");
 }
 
@@ -111,13 +111,13 @@ TEST_F(PdoResetTest, StoredParametersOverDefaults_AreTaken) {
   } memory;
   node.set_parameter_store(&memory);
   map_others();
-  hear("605 23 10 10 01 73 61 76 65");
+  receive("605 23 10 10 01 73 61 76 65");
   const auto kept = std::exchange(memory.image, {});
   EXPECT_EQ(reset_and_start(), "185 00");
   EXPECT_EQ(reset_and_start(), "185 00");
   memory.image = kept;  // without any write
   EXPECT_EQ(reset_and_start(), "185 00 00");
-  hear("205 09");
+  receive("205 09");
   EXPECT_EQ(output(2), 9);
   node.set_parameter_store(nullptr);
 }

@@ -23,7 +23,7 @@ TEST(RestrictedIdentifier, AnEmcyProducerDoesNotSendOnIt) {
     Conversation talk(with_cob_id(0x1014, 0, identifier));
     const std::uint8_t manufacturer[5] = {};
     EXPECT_TRUE(talk.node.emergency(0x1000, 0, manufacturer, talk.now));
-    EXPECT_EQ(talk.bus.take(), "") << identifier;
+    EXPECT_EQ(talk.bus.drain(), "") << identifier;
     EXPECT_EQ(talk.node.dictionary().get<std::uint32_t>(0x1014, 0), identifier);  // as the file has it
   }
 }
@@ -33,14 +33,14 @@ TEST(RestrictedIdentifier, AnotherOneCanBeWrittenOverIt) {
   EXPECT_EQ(talk.write(0x1014, 0, 0x85, 4), AbortCode::none);
   const std::uint8_t manufacturer[5] = {};
   EXPECT_TRUE(talk.node.emergency(0x1000, 0, manufacturer, talk.now));
-  EXPECT_EQ(talk.bus.take(), "085 00 10 01 00 00 00 00 00");
+  EXPECT_EQ(talk.bus.drain(), "085 00 10 01 00 00 00 00 00");
 }
 
 TEST(RestrictedIdentifier, ASyncConsumerDoesNotTakeAnNmtCommandForSync) {
   Conversation talk(with_cob_id(0x1005, 0, 0));
   talk.events.clear();
-  talk.hear("000 01 05");
-  EXPECT_EQ(talk.take_events(), "operational");
+  talk.receive("000 01 05");
+  EXPECT_EQ(talk.drain_events(), "operational");
   EXPECT_EQ(talk.node.dictionary().get<std::uint8_t>(0x1003, 0), 0);  // no SYNC of the wrong length, either
 }
 
@@ -53,15 +53,15 @@ TEST(RestrictedIdentifier, ASyncProducerIsSilent) {
 
 TEST(RestrictedIdentifier, ATimeConsumerDoesNotTakeAnotherServiceForTime) {
   Conversation talk(with_cob_id(0x1012, 0, 0x8000'0000));
-  talk.hear("000 01 05 00 00 00 00");
-  EXPECT_EQ(talk.take_events().find("time"), std::string::npos);
+  talk.receive("000 01 05 00 00 00 00");
+  EXPECT_EQ(talk.drain_events().find("time"), std::string::npos);
   EXPECT_FALSE(talk.node.wants(0x180));
 }
 
 TEST(RestrictedIdentifier, ATimeProducerIsSilent) {
   Conversation talk(with_cob_id(0x1012, 0, 0x4000'0000));
   EXPECT_FALSE(talk.node.send_time({}, talk.now));
-  EXPECT_EQ(talk.bus.take(), "");
+  EXPECT_EQ(talk.bus.drain(), "");
 }
 
 TEST(RestrictedIdentifier, AnEmcyConsumerDoesNotListenToIt) {
@@ -78,10 +78,10 @@ TEST(RestrictedIdentifier, ATpdoIsNotSentOnIt) {
   Conversation talk(objects);
   talk.node.command(NmtCommand::start, talk.now);
   EXPECT_FALSE(talk.node.tpdo_event(0, talk.now));
-  EXPECT_EQ(talk.bus.take(), "");
+  EXPECT_EQ(talk.bus.drain(), "");
   EXPECT_EQ(talk.write(0x1800, 1, 0x4000'0185, 4), AbortCode::none);
   EXPECT_TRUE(talk.node.tpdo_event(0, talk.now));
-  EXPECT_EQ(talk.bus.take(), "185 00");
+  EXPECT_EQ(talk.bus.drain(), "185 00");
 }
 
 TEST(RestrictedIdentifier, AnRpdoDoesNotListenToIt) {
@@ -89,8 +89,8 @@ TEST(RestrictedIdentifier, AnRpdoDoesNotListenToIt) {
   objects.sub(0x1600, 0, {.type = DataType::unsigned8, .value = {1}});
   objects.sub(0x1600, 1, {.value = little_endian(0x62000108, 4)});
   Conversation talk(objects);
-  talk.hear("000 01 05");
-  talk.hear("000 01 05");
+  talk.receive("000 01 05");
+  talk.receive("000 01 05");
   EXPECT_EQ(talk.node.dictionary().get<std::uint8_t>(0x6200, 1), 0);
 }
 
@@ -100,7 +100,7 @@ TEST(RestrictedIdentifier, AnAdditionalSdoServerDoesNotAnswerOnIt) {
   objects.sub(0x1201, 1, {.value = little_endian(0x609, 4)});
   objects.sub(0x1201, 2, {.value = little_endian(0x589, 4)});
   Conversation talk(objects);
-  EXPECT_EQ(talk.hear("609 40 00 10 00 00 00 00 00"), "");
+  EXPECT_EQ(talk.receive("609 40 00 10 00 00 00 00 00"), "");
 }
 
 TEST(RestrictedIdentifier, AnSdoClientUsesTheDefaultChannelOfAServerButNoOtherRestrictedOne) {

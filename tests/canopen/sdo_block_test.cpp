@@ -41,131 +41,134 @@ struct SdoBlockServer : testing::Test, Conversation {
 };
 
 TEST_F(SdoBlockServer, Download_OfTenBytes) {
-  EXPECT_EQ(hear("605 C6 0A 20 00 0A 00 00 00"), "585 A4 0A 20 00 7F 00 00 00");
-  EXPECT_EQ(hear("605 01 30 31 32 33 34 35 36"), "");
-  EXPECT_EQ(hear("605 82 37 38 39 00 00 00 00"), "585 A2 02 7F 00 00 00 00 00");
-  EXPECT_EQ(hear("605 D1 58 9C 00 00 00 00 00"), "585 A1 00 00 00 00 00 00 00");
+  EXPECT_EQ(receive("605 C6 0A 20 00 0A 00 00 00"), "585 A4 0A 20 00 7F 00 00 00");
+  EXPECT_EQ(receive("605 01 30 31 32 33 34 35 36"), "");
+  EXPECT_EQ(receive("605 82 37 38 39 00 00 00 00"), "585 A2 02 7F 00 00 00 00 00");
+  EXPECT_EQ(receive("605 D1 58 9C 00 00 00 00 00"), "585 A1 00 00 00 00 00 00 00");
   EXPECT_EQ(domain(), "0123456789");
 }
 
 TEST_F(SdoBlockServer, DownloadWithWrongCrc_IsAbortedAndChangesNothing) {
-  hear("605 C6 0A 20 00 0A 00 00 00");
-  hear("605 01 30 31 32 33 34 35 36");
-  hear("605 82 37 38 39 00 00 00 00");
-  EXPECT_EQ(hear("605 D1 59 9C 00 00 00 00 00"), "585 80 0A 20 00 04 00 04 05");
+  receive("605 C6 0A 20 00 0A 00 00 00");
+  receive("605 01 30 31 32 33 34 35 36");
+  receive("605 82 37 38 39 00 00 00 00");
+  EXPECT_EQ(receive("605 D1 59 9C 00 00 00 00 00"), "585 80 0A 20 00 04 00 04 05");
   EXPECT_EQ(domain(), "");
 }
 
 TEST_F(SdoBlockServer, DownloadWithoutCrc_DoesNotLookAtIt) {
-  hear("605 C0 0A 20 00 00 00 00 00");
-  hear("605 81 30 31 32 00 00 00 00");
-  EXPECT_EQ(hear("605 D1 00 00 00 00 00 00 00"), "585 A1 00 00 00 00 00 00 00");
+  receive("605 C0 0A 20 00 00 00 00 00");
+  receive("605 81 30 31 32 00 00 00 00");
+  EXPECT_EQ(receive("605 D1 00 00 00 00 00 00 00"), "585 A1 00 00 00 00 00 00 00");
   EXPECT_EQ(domain(), "012");
 }
 
 TEST_F(SdoBlockServer, LostSegment_IsAskedForAgain) {
-  hear("605 C4 0A 20 00 00 00 00 00");
-  hear("605 01 30 31 32 33 34 35 36");
-  EXPECT_EQ(hear("605 83 45 46 47 00 00 00 00"), "585 A2 01 7F 00 00 00 00 00");
-  hear("605 01 37 38 39 41 42 43 44");
-  EXPECT_EQ(hear("605 82 45 46 47 00 00 00 00"), "585 A2 02 7F 00 00 00 00 00");
-  hear("605 80 0A 20 00 00 00 00 08");
+  receive("605 C4 0A 20 00 00 00 00 00");
+  receive("605 01 30 31 32 33 34 35 36");
+  EXPECT_EQ(receive("605 83 45 46 47 00 00 00 00"), "585 A2 01 7F 00 00 00 00 00");
+  receive("605 01 37 38 39 41 42 43 44");
+  EXPECT_EQ(receive("605 82 45 46 47 00 00 00 00"), "585 A2 02 7F 00 00 00 00 00");
+  receive("605 80 0A 20 00 00 00 00 08");
 }
 
 TEST_F(SdoBlockServer, FirstSegmentLost_ConfirmsNone) {
-  hear("605 C4 0A 20 00 00 00 00 00");
-  EXPECT_EQ(hear("605 82 37 38 39 00 00 00 00"), "585 A2 00 7F 00 00 00 00 00");
+  receive("605 C4 0A 20 00 00 00 00 00");
+  EXPECT_EQ(receive("605 82 37 38 39 00 00 00 00"), "585 A2 00 7F 00 00 00 00 00");
 }
 
 TEST_F(SdoBlockServer, LostLastSegment_IsConfirmedAfterAPause) {
-  hear("605 C4 0A 20 00 00 00 00 00");
-  hear("605 01 30 31 32 33 34 35 36");
+  receive("605 C4 0A 20 00 00 00 00 00");
+  receive("605 01 30 31 32 33 34 35 36");
   EXPECT_EQ(wait(2s), "250: 585 A2 01 7F 00 00 00 00 00 | 1000: 585 80 0A 20 00 00 00 04 05");
 }
 
 TEST_F(SdoBlockServer, SequenceNumbersOutOfRange_AreAborted) {
-  hear("605 C4 0A 20 00 00 00 00 00");
-  EXPECT_EQ(hear("605 00 30 31 32 33 34 35 36"), "585 80 0A 20 00 03 00 04 05");
+  receive("605 C4 0A 20 00 00 00 00 00");
+  EXPECT_EQ(receive("605 00 30 31 32 33 34 35 36"), "585 80 0A 20 00 03 00 04 05");
 }
 
 TEST_F(SdoBlockServer, AbortAmongSegments_IsAnAbort) {
-  hear("605 C4 0A 20 00 00 00 00 00");
-  EXPECT_EQ(hear("605 80 0A 20 00 00 00 00 08"), "");
-  EXPECT_EQ(hear("605 01 30 31 32 33 34 35 36"), "585 80 00 00 00 01 00 04 05");
+  receive("605 C4 0A 20 00 00 00 00 00");
+  EXPECT_EQ(receive("605 80 0A 20 00 00 00 00 08"), "");
+  EXPECT_EQ(receive("605 01 30 31 32 33 34 35 36"), "585 80 00 00 00 01 00 04 05");
 }
 
 TEST_F(SdoBlockServer, DownloadOfAnotherSizeThanAnnounced_IsAborted) {
-  hear("605 C2 0A 20 00 0B 00 00 00");
-  hear("605 01 30 31 32 33 34 35 36");
-  hear("605 82 37 38 39 00 00 00 00");
-  EXPECT_EQ(hear("605 D1 00 00 00 00 00 00 00"), "585 80 0A 20 00 13 00 07 06");
-  hear("605 C2 0A 20 00 09 00 00 00");
-  hear("605 01 30 31 32 33 34 35 36");
-  hear("605 82 37 38 39 00 00 00 00");
-  EXPECT_EQ(hear("605 D1 00 00 00 00 00 00 00"), "585 80 0A 20 00 12 00 07 06");
+  receive("605 C2 0A 20 00 0B 00 00 00");
+  receive("605 01 30 31 32 33 34 35 36");
+  receive("605 82 37 38 39 00 00 00 00");
+  EXPECT_EQ(receive("605 D1 00 00 00 00 00 00 00"), "585 80 0A 20 00 13 00 07 06");
+  receive("605 C2 0A 20 00 09 00 00 00");
+  receive("605 01 30 31 32 33 34 35 36");
+  receive("605 82 37 38 39 00 00 00 00");
+  EXPECT_EQ(receive("605 D1 00 00 00 00 00 00 00"), "585 80 0A 20 00 12 00 07 06");
 }
 
 TEST_F(SdoBlockServer, Upload_OfTenBytes) {
   set_domain("0123456789");
-  EXPECT_EQ(hear("605 A4 0A 20 00 7F 00 00 00"), "585 C6 0A 20 00 0A 00 00 00");
-  EXPECT_EQ(hear("605 A3 00 00 00 00 00 00 00"), "585 01 30 31 32 33 34 35 36 | 585 82 37 38 39 00 00 00 00");
-  EXPECT_EQ(hear("605 A2 02 7F 00 00 00 00 00"), "585 D1 58 9C 00 00 00 00 00");
-  EXPECT_EQ(hear("605 A1 00 00 00 00 00 00 00"), "");
-  EXPECT_EQ(hear("605 40 18 10 01 00 00 00 00"), "585 43 18 10 01 D0 01 00 00");
+  EXPECT_EQ(receive("605 A4 0A 20 00 7F 00 00 00"), "585 C6 0A 20 00 0A 00 00 00");
+  EXPECT_EQ(receive("605 A3 00 00 00 00 00 00 00"),
+            "585 01 30 31 32 33 34 35 36 | 585 82 37 38 39 00 00 00 00");
+  EXPECT_EQ(receive("605 A2 02 7F 00 00 00 00 00"), "585 D1 58 9C 00 00 00 00 00");
+  EXPECT_EQ(receive("605 A1 00 00 00 00 00 00 00"), "");
+  EXPECT_EQ(receive("605 40 18 10 01 00 00 00 00"), "585 43 18 10 01 D0 01 00 00");
 }
 
 TEST_F(SdoBlockServer, UploadWithoutCrc_HasCrcZero) {
   set_domain("012");
-  hear("605 A0 0A 20 00 7F 00 00 00");
-  hear("605 A3 00 00 00 00 00 00 00");
-  EXPECT_EQ(hear("605 A2 01 7F 00 00 00 00 00"), "585 D1 00 00 00 00 00 00 00");
+  receive("605 A0 0A 20 00 7F 00 00 00");
+  receive("605 A3 00 00 00 00 00 00 00");
+  EXPECT_EQ(receive("605 A2 01 7F 00 00 00 00 00"), "585 D1 00 00 00 00 00 00 00");
 }
 
 TEST_F(SdoBlockServer, Upload_GoesOnAfterTheSegmentThatIsConfirmed) {
   set_domain("0123456789ABCDEFGHIJ");
-  hear("605 A0 0A 20 00 02 00 00 00");
-  EXPECT_EQ(hear("605 A3 00 00 00 00 00 00 00"), "585 01 30 31 32 33 34 35 36 | 585 02 37 38 39 41 42 43 44");
-  EXPECT_EQ(hear("605 A2 01 03 00 00 00 00 00"), "585 01 37 38 39 41 42 43 44 | 585 82 45 46 47 48 49 4A 00");
-  EXPECT_EQ(hear("605 A2 00 01 00 00 00 00 00"), "585 01 37 38 39 41 42 43 44");
-  EXPECT_EQ(hear("605 A2 01 01 00 00 00 00 00"), "585 81 45 46 47 48 49 4A 00");
-  EXPECT_EQ(hear("605 A2 01 01 00 00 00 00 00"), "585 C5 00 00 00 00 00 00 00");
+  receive("605 A0 0A 20 00 02 00 00 00");
+  EXPECT_EQ(receive("605 A3 00 00 00 00 00 00 00"),
+            "585 01 30 31 32 33 34 35 36 | 585 02 37 38 39 41 42 43 44");
+  EXPECT_EQ(receive("605 A2 01 03 00 00 00 00 00"),
+            "585 01 37 38 39 41 42 43 44 | 585 82 45 46 47 48 49 4A 00");
+  EXPECT_EQ(receive("605 A2 00 01 00 00 00 00 00"), "585 01 37 38 39 41 42 43 44");
+  EXPECT_EQ(receive("605 A2 01 01 00 00 00 00 00"), "585 81 45 46 47 48 49 4A 00");
+  EXPECT_EQ(receive("605 A2 01 01 00 00 00 00 00"), "585 C5 00 00 00 00 00 00 00");
 }
 
 TEST_F(SdoBlockServer, EmptyValue_IsOneSegmentWithoutData) {
-  EXPECT_EQ(hear("605 A4 0A 20 00 7F 00 00 00"), "585 C6 0A 20 00 00 00 00 00");
-  EXPECT_EQ(hear("605 A3 00 00 00 00 00 00 00"), "585 81 00 00 00 00 00 00 00");
-  EXPECT_EQ(hear("605 A2 01 7F 00 00 00 00 00"), "585 DD 00 00 00 00 00 00 00");
+  EXPECT_EQ(receive("605 A4 0A 20 00 7F 00 00 00"), "585 C6 0A 20 00 00 00 00 00");
+  EXPECT_EQ(receive("605 A3 00 00 00 00 00 00 00"), "585 81 00 00 00 00 00 00 00");
+  EXPECT_EQ(receive("605 A2 01 7F 00 00 00 00 00"), "585 DD 00 00 00 00 00 00 00");
 }
 
 TEST_F(SdoBlockServer, ValueWithinTheSwitchThreshold_IsUploadedWithoutBlocks) {
   set_domain("0123");
-  EXPECT_EQ(hear("605 A4 0A 20 00 7F 04 00 00"), "585 43 0A 20 00 30 31 32 33");
+  EXPECT_EQ(receive("605 A4 0A 20 00 7F 04 00 00"), "585 43 0A 20 00 30 31 32 33");
   set_domain("01234");
-  EXPECT_EQ(hear("605 A4 0A 20 00 7F 05 00 00"), "585 41 0A 20 00 05 00 00 00");
-  EXPECT_EQ(hear("605 60 00 00 00 00 00 00 00"), "585 05 30 31 32 33 34 00 00");
+  EXPECT_EQ(receive("605 A4 0A 20 00 7F 05 00 00"), "585 41 0A 20 00 05 00 00 00");
+  EXPECT_EQ(receive("605 60 00 00 00 00 00 00 00"), "585 05 30 31 32 33 34 00 00");
 }
 
 TEST_F(SdoBlockServer, InvalidBlockSizes_AreAborted) {
   set_domain("0123456789");
-  EXPECT_EQ(hear("605 A4 0A 20 00 00 00 00 00"), "585 80 0A 20 00 02 00 04 05");
-  EXPECT_EQ(hear("605 A4 0A 20 00 80 00 00 00"), "585 80 0A 20 00 02 00 04 05");
-  hear("605 A4 0A 20 00 7F 00 00 00");
-  hear("605 A3 00 00 00 00 00 00 00");
-  EXPECT_EQ(hear("605 A2 02 00 00 00 00 00 00"), "585 80 0A 20 00 02 00 04 05");
+  EXPECT_EQ(receive("605 A4 0A 20 00 00 00 00 00"), "585 80 0A 20 00 02 00 04 05");
+  EXPECT_EQ(receive("605 A4 0A 20 00 80 00 00 00"), "585 80 0A 20 00 02 00 04 05");
+  receive("605 A4 0A 20 00 7F 00 00 00");
+  receive("605 A3 00 00 00 00 00 00 00");
+  EXPECT_EQ(receive("605 A2 02 00 00 00 00 00 00"), "585 80 0A 20 00 02 00 04 05");
 }
 
 TEST_F(SdoBlockServer, ConfirmationOfMoreThanWasSent_IsAborted) {
   set_domain("0123456789");
-  hear("605 A4 0A 20 00 7F 00 00 00");
-  hear("605 A3 00 00 00 00 00 00 00");
-  EXPECT_EQ(hear("605 A2 03 7F 00 00 00 00 00"), "585 80 0A 20 00 03 00 04 05");
+  receive("605 A4 0A 20 00 7F 00 00 00");
+  receive("605 A3 00 00 00 00 00 00 00");
+  EXPECT_EQ(receive("605 A2 03 7F 00 00 00 00 00"), "585 80 0A 20 00 03 00 04 05");
 }
 
 TEST_F(SdoBlockServer, FullTransmitQueue_GoesOnLater) {
   set_domain("0123456789");
-  hear("605 A4 0A 20 00 7F 00 00 00");
+  receive("605 A4 0A 20 00 7F 00 00 00");
   bus.is_full = true;
-  EXPECT_EQ(hear("605 A3 00 00 00 00 00 00 00"), "");
+  EXPECT_EQ(receive("605 A3 00 00 00 00 00 00 00"), "");
   wait(1ms);
   bus.is_full = false;
   EXPECT_EQ(wait(1ms), "1.5: 585 01 30 31 32 33 34 35 36 | 1.5: 585 82 37 38 39 00 00 00 00");
@@ -175,34 +178,34 @@ TEST_F(SdoBlockServer, StreamThatRefuses_AbortsTheTransfer) {
   Megabytes stream(10, true);
   stream.refusal = AbortCode::hardware_error;
   node.attach(0x200A, 0x200A, stream);
-  hear("605 21 0A 20 00 0A 00 00 00");
-  hear("605 00 00 07 0E 15 1C 23 2A");
-  EXPECT_EQ(hear("605 19 31 38 3F 00 00 00 00"), "585 80 0A 20 00 00 00 06 06");
+  receive("605 21 0A 20 00 0A 00 00 00");
+  receive("605 00 00 07 0E 15 1C 23 2A");
+  EXPECT_EQ(receive("605 19 31 38 3F 00 00 00 00"), "585 80 0A 20 00 00 00 06 06");
   EXPECT_EQ(stream.closed, "incomplete ");
 }
 
 TEST_F(SdoBlockServer, AbortedStream_IsClosedIncomplete) {
   Megabytes stream(10, true);
   node.attach(0x200A, 0x200A, stream);
-  hear("605 21 0A 20 00 0A 00 00 00");
-  hear("605 80 0A 20 00 00 00 00 08");
+  receive("605 21 0A 20 00 0A 00 00 00");
+  receive("605 80 0A 20 00 00 00 00 08");
   EXPECT_EQ(stream.closed, "incomplete ");
 }
 
 TEST_F(SdoBlockServer, StreamOfUnknownSize_IsUploadedWithoutSize) {
   Megabytes stream(10, false);
   node.attach(0x200A, 0x200A, stream);
-  EXPECT_EQ(hear("605 40 0A 20 00 00 00 00 00"), "585 40 0A 20 00 00 00 00 00");
-  EXPECT_EQ(hear("605 60 00 00 00 00 00 00 00"), "585 00 00 07 0E 15 1C 23 2A");
-  EXPECT_EQ(hear("605 70 00 00 00 00 00 00 00"), "585 19 31 38 3F 00 00 00 00");
+  EXPECT_EQ(receive("605 40 0A 20 00 00 00 00 00"), "585 40 0A 20 00 00 00 00 00");
+  EXPECT_EQ(receive("605 60 00 00 00 00 00 00 00"), "585 00 00 07 0E 15 1C 23 2A");
+  EXPECT_EQ(receive("605 70 00 00 00 00 00 00 00"), "585 19 31 38 3F 00 00 00 00");
   EXPECT_EQ(stream.closed, "complete ");
 }
 
 TEST_F(SdoBlockServer, SmallStream_GoesExpedited) {
   Megabytes stream(3, true);
   node.attach(0x200A, 0x200A, stream);
-  EXPECT_EQ(hear("605 40 0A 20 00 00 00 00 00"), "585 47 0A 20 00 00 07 0E 00");
-  EXPECT_EQ(hear("605 27 0A 20 00 00 07 0E 00"), "585 60 0A 20 00 00 00 00 00");
+  EXPECT_EQ(receive("605 40 0A 20 00 00 00 00 00"), "585 47 0A 20 00 00 07 0E 00");
+  EXPECT_EQ(receive("605 27 0A 20 00 00 07 0E 00"), "585 60 0A 20 00 00 00 00 00");
   EXPECT_TRUE(stream.is_right);
   EXPECT_EQ(stream.closed, "complete complete ");
 }

@@ -27,23 +27,23 @@ TEST_F(SdoChannelsTest, AdditionalServer_AnswersOnItsOwnIdentifiers) {
   EXPECT_FALSE(node.wants(0x6A0)) << "the other direction is still invalid";
   EXPECT_EQ(write(0x1201, 2, 0x6B0, 4), AbortCode::none);
   EXPECT_TRUE(node.wants(0x6A0));
-  EXPECT_EQ(hear("6A0 40 18 10 01 00 00 00 00"), "6B0 43 18 10 01 D0 01 00 00");
+  EXPECT_EQ(receive("6A0 40 18 10 01 00 00 00 00"), "6B0 43 18 10 01 D0 01 00 00");
 }
 
 TEST_F(SdoChannelsTest, SeveralClients_HaveTheirTransfersAtOnce) {
   write(0x1201, 1, 0x6A0, 4);
   write(0x1201, 2, 0x6B0, 4);
-  hear("605 40 08 10 00 00 00 00 00");
-  EXPECT_EQ(hear("6A0 40 08 10 00 00 00 00 00"), "6B0 41 08 10 00 09 00 00 00");
-  EXPECT_EQ(hear("605 60 00 00 00 00 00 00 00"), "585 00 4D 45 33 43 41 4E 31");
-  EXPECT_EQ(hear("6A0 60 00 00 00 00 00 00 00"), "6B0 00 4D 45 33 43 41 4E 31");
+  receive("605 40 08 10 00 00 00 00 00");
+  EXPECT_EQ(receive("6A0 40 08 10 00 00 00 00 00"), "6B0 41 08 10 00 09 00 00 00");
+  EXPECT_EQ(receive("605 60 00 00 00 00 00 00 00"), "585 00 4D 45 33 43 41 4E 31");
+  EXPECT_EQ(receive("6A0 60 00 00 00 00 00 00 00"), "6B0 00 4D 45 33 43 41 4E 31");
 }
 
 TEST_F(SdoChannelsTest, ServerSwitchedOffThroughItself_AnswersOnceMore) {
   write(0x1201, 1, 0x6A0, 4);
   write(0x1201, 2, 0x6B0, 4);
-  EXPECT_EQ(hear("6A0 23 01 12 02 00 00 00 80"), "6B0 60 01 12 02 00 00 00 00");
-  EXPECT_EQ(hear("6A0 40 18 10 01 00 00 00 00"), "");
+  EXPECT_EQ(receive("6A0 23 01 12 02 00 00 00 80"), "6B0 60 01 12 02 00 00 00 00");
+  EXPECT_EQ(receive("6A0 40 18 10 01 00 00 00 00"), "");
 }
 
 TEST_F(SdoChannelsTest, IdentifierOfAValidChannel_CannotBeChanged) {

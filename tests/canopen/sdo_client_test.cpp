@@ -10,9 +10,9 @@ namespace {
 class SdoClientTest : public testing::Test, public SdoClientListener {
  protected:
   SdoClientTest() { client.set_server(9); }
-  std::string hear(const std::string& frame) {
+  std::string receive(const std::string& frame) {
     client.receive(from_text(frame), now);
-    return bus.take();
+    return bus.drain();
   }
   void sdo_finished(SdoClient&, can::Time) override { ++finished; }
   std::vector<std::uint8_t> data() const { return {client.data().begin(), client.data().end()}; }
@@ -25,20 +25,119 @@ class SdoClientTest : public testing::Test, public SdoClientListener {
 
 TEST_F(SdoClientTest, ExpeditedUpload_GivesTheBytesThatAreIndicated) {
   ASSERT_TRUE(client.upload(0x1018, 1, *this, now));
-  EXPECT_EQ(bus.take(), "609 40 18 10 01 00 00 00 00");
-  EXPECT_EQ(hear("589 4B 18 10 01 D0 01 00 00"), "");
+  EXPECT_EQ(bus.drain(), "609 40 18 10 01 00 00 00 00");
+  EXPECT_EQ(receive("589 4B 18 10 01 D0 01 00 00"), "");
   EXPECT_EQ(data(), (std::vector<std::uint8_t>{0xD0, 0x01}));
   EXPECT_EQ(client.abort_code(), AbortCode::none);
   EXPECT_EQ(finished, 1);
   EXPECT_EQ(client.deadline(), can::never);
 }
 
+TEST_F(SdoClientTest, ExpeditedUploadWithoutItsSize_GivesAllFourBytesAsOfUnknownSize) {
+  client.upload(0x2000, 0, *this, now);
+  receive("589 42 00 20 00 34 12 00 00");
+  EXPECT_EQ(data(), (std::vector<std::uint8_t>{0x34, 0x12, 0, 0}));
+  EXPECT_FALSE(client.is_size_indicated());
+  client.upload(0x2000, 0, *this, now);
+  receive("589 4B 00 20 00 34 12 00 00");
+  EXPECT_EQ(data(), (std::vector<std::uint8_t>{0x34, 0x12}));
+  EXPECT_TRUE(client.is_size_indicated());
+  client.upload(0x2000, 0, *this, now);
+  receive("589 40 00 20 00 00 00 00 00");  // segmented, of unknown size: the last segment has it
+  receive("589 0D 01 00 00 00 00 00 00");
+  EXPECT_EQ(data().size(), 1U);
+  EXPECT_TRUE(client.is_size_indicated());
+}
+
+TEST_F(SdoClientTest, ShortAnswerAboutAnotherObject_IsIgnored) {
+  client.upload(0x1018, 1, *this, now);
+  bus.drain();
+  EXPECT_EQ(receive("589 43 00 10 00 92 01 02"), "");
+  EXPECT_TRUE(client.busy());
+  EXPECT_EQ(receive("589 43 18 10 01 D0 01 00 00"), "");
+  EXPECT_EQ(client.abort_code(), AbortCode::none);
+}
+
+TEST_F(SdoClientTest, ShortFrameOutsideOfATransfer_IsNothing) {
+  EXPECT_EQ(receive("589 43 00 10 00 92 01 02"), "");
+  EXPECT_EQ(finished, 0);
+  EXPECT_EQ(client.short_answer(), nullptr);
+}
+
+/// Answers to what a client does; the last one is too short.
+struct ShortAnswer {
+  const char* name;
+  enum class Transfer : std::uint8_t { upload, download, block_upload, block_download } transfer;
+  std::vector<std::string> answers;
+  bool is_abort = false;
+};
+std::ostream& operator<<(std::ostream& out, const ShortAnswer& answer) { return out << answer.name; }
+
+class ShortSdoAnswer : public SdoClientTest, public testing::WithParamInterface<ShortAnswer> {};
+
+TEST_P(ShortSdoAnswer, EndsTheTransferWithTheFrame) {
+  using Transfer = ShortAnswer::Transfer;
+  const ShortAnswer& test = GetParam();
+  const std::vector<std::uint8_t> value(9, 0x11);
+  const bool in_blocks = test.transfer == Transfer::block_upload || test.transfer == Transfer::block_download;
+  const auto mode = in_blocks ? SdoClient::Mode::block : SdoClient::Mode::segmented;
+  if (test.transfer == Transfer::upload || test.transfer == Transfer::block_upload) {
+    ASSERT_TRUE(client.upload(0x1008, 0, *this, now, 200ms, mode));
+  } else {
+    ASSERT_TRUE(client.download(0x1008, 0, value, *this, now, 200ms, mode));
+  }
+  for (const std::string& answer : test.answers) {
+    ASSERT_EQ(finished, 0);
+    bus.drain();
+    client.receive(from_text(answer), now);
+  }
+  EXPECT_EQ(bus.drain(), test.is_abort ? "" : "609 80 08 10 00 13 00 07 06");
+  EXPECT_EQ(finished, 1);
+  EXPECT_EQ(client.abort_code(), AbortCode::length_too_low);
+  EXPECT_TRUE(client.gave_up());
+  ASSERT_NE(client.short_answer(), nullptr);
+  EXPECT_EQ(to_text(*client.short_answer()), test.answers.back());
+}
+
+const ShortAnswer short_answers[] = {
+    {"InitiateUpload7", ShortAnswer::Transfer::upload, {"589 43 08 10 00 92 01 02"}},
+    {"InitiateUpload4", ShortAnswer::Transfer::upload, {"589 4F 08 10 00"}},
+    {"InitiateUpload1", ShortAnswer::Transfer::upload, {"589 43"}},
+    {"Nothing", ShortAnswer::Transfer::upload, {"589"}},
+    {"UploadSegment", ShortAnswer::Transfer::upload, {"589 41 08 10 00 09 00 00 00", "589 00 4D 45 33 43"}},
+    {"LastUploadSegment",
+     ShortAnswer::Transfer::upload,
+     {"589 41 08 10 00 09 00 00 00", "589 00 4D 45 33 43 41 4E 31", "589 1B 2D 51"}},
+    {"InitiateDownload", ShortAnswer::Transfer::download, {"589 60 08 10 00"}},
+    {"DownloadSegment", ShortAnswer::Transfer::download, {"589 60 08 10 00 00 00 00 00", "589 20"}},
+    {"InitiateBlockUpload", ShortAnswer::Transfer::block_upload, {"589 C6 08 10 00 09"}},
+    {"BlockSegment",
+     ShortAnswer::Transfer::block_upload,
+     {"589 C6 08 10 00 09 00 00 00", "589 01 4D 45 33 43 41 4E"}},
+    {"EndBlockUpload",
+     ShortAnswer::Transfer::block_upload,
+     {"589 C2 08 10 00 09 00 00 00", "589 01 4D 45 33 43 41 4E 31", "589 82 2D 51 00 00 00 00 00",
+      "589 D5 00 00"}},
+    {"InitiateBlockDownload", ShortAnswer::Transfer::block_download, {"589 A4 08 10 00 7F"}},
+    {"BlockConfirmed",
+     ShortAnswer::Transfer::block_download,
+     {"589 A4 08 10 00 7F 00 00 00", "589 A2 02 7F"}},
+    {"Abort", ShortAnswer::Transfer::upload, {"589 80 08 10 00"}, true},
+    {"AbortOfADownload", ShortAnswer::Transfer::download, {"589 80 08 10 00 11 00"}, true},
+    {"AbortInABlock",
+     ShortAnswer::Transfer::block_upload,
+     {"589 C6 08 10 00 09 00 00 00", "589 80 08 10 00"},
+     true},
+};
+INSTANTIATE_TEST_SUITE_P(Frames, ShortSdoAnswer, testing::ValuesIn(short_answers),
+                         [](const auto& test) { return std::string(test.param.name); });
+
 TEST_F(SdoClientTest, SegmentedUpload_CollectsTheSegments) {
   client.upload(0x1008, 0, *this, now);
-  bus.take();
-  EXPECT_EQ(hear("589 41 08 10 00 09 00 00 00"), "609 60 00 00 00 00 00 00 00");
-  EXPECT_EQ(hear("589 00 4D 45 33 43 41 4E 31"), "609 70 00 00 00 00 00 00 00");
-  EXPECT_EQ(hear("589 1B 2D 51 00 00 00 00 00"), "");
+  bus.drain();
+  EXPECT_EQ(receive("589 41 08 10 00 09 00 00 00"), "609 60 00 00 00 00 00 00 00");
+  EXPECT_EQ(receive("589 00 4D 45 33 43 41 4E 31"), "609 70 00 00 00 00 00 00 00");
+  EXPECT_EQ(receive("589 1B 2D 51 00 00 00 00 00"), "");
   EXPECT_EQ(std::string(client.data().begin(), client.data().end()), "ME3CAN1-Q");
   EXPECT_EQ(finished, 1);
 }
@@ -46,8 +145,8 @@ TEST_F(SdoClientTest, SegmentedUpload_CollectsTheSegments) {
 TEST_F(SdoClientTest, BlockUpload_ServerMaySwitchWithinTheThreshold) {
   client.set_switch_threshold(4);
   client.upload(0x1000, 0, *this, now, 200ms, SdoClient::Mode::block);
-  EXPECT_EQ(bus.take(), "609 A4 00 10 00 7F 04 00 00");
-  EXPECT_EQ(hear("589 43 00 10 00 95 01 00 00"), "");
+  EXPECT_EQ(bus.drain(), "609 A4 00 10 00 7F 04 00 00");
+  EXPECT_EQ(receive("589 43 00 10 00 95 01 00 00"), "");
   EXPECT_EQ(client.abort_code(), AbortCode::none);
   EXPECT_EQ(data(), (std::vector<std::uint8_t>{0x95, 0x01, 0, 0}));
 }
@@ -55,10 +154,10 @@ TEST_F(SdoClientTest, BlockUpload_ServerMaySwitchWithinTheThreshold) {
 TEST_F(SdoClientTest, BlockUpload_ServerThatSwitchesUnaskedIsAborted) {
   client.set_switch_threshold(0);
   client.upload(0x1000, 0, *this, now, 200ms, SdoClient::Mode::block);
-  EXPECT_EQ(bus.take(), "609 A4 00 10 00 7F 00 00 00");
-  EXPECT_EQ(hear("589 43 01 10 00 95 01 00 00"), "") << "late, about another object";
+  EXPECT_EQ(bus.drain(), "609 A4 00 10 00 7F 00 00 00");
+  EXPECT_EQ(receive("589 43 01 10 00 95 01 00 00"), "") << "late, about another object";
   EXPECT_TRUE(client.busy());
-  EXPECT_EQ(hear("589 43 00 10 00 95 01 00 00"), "609 80 00 10 00 01 00 04 05");
+  EXPECT_EQ(receive("589 43 00 10 00 95 01 00 00"), "609 80 00 10 00 01 00 04 05");
   EXPECT_EQ(client.abort_code(), AbortCode::command_specifier);
   EXPECT_EQ(finished, 1);
 }
@@ -66,8 +165,8 @@ TEST_F(SdoClientTest, BlockUpload_ServerThatSwitchesUnaskedIsAborted) {
 TEST_F(SdoClientTest, DownloadOfUpToFourBytes_IsExpedited) {
   const std::uint8_t bytes[] = {0xE8, 0x03};
   ASSERT_TRUE(client.download(0x1017, 0, bytes, *this, now));
-  EXPECT_EQ(bus.take(), "609 2B 17 10 00 E8 03 00 00");
-  EXPECT_EQ(hear("589 60 17 10 00 00 00 00 00"), "");
+  EXPECT_EQ(bus.drain(), "609 2B 17 10 00 E8 03 00 00");
+  EXPECT_EQ(receive("589 60 17 10 00 00 00 00 00"), "");
   EXPECT_EQ(client.abort_code(), AbortCode::none);
   EXPECT_EQ(finished, 1);
 }
@@ -75,38 +174,38 @@ TEST_F(SdoClientTest, DownloadOfUpToFourBytes_IsExpedited) {
 TEST_F(SdoClientTest, LongerDownload_GoesInSegments) {
   const std::uint8_t bytes[] = {1, 2, 3, 4, 5, 6, 7, 8};
   client.download(0x2016, 0, bytes, *this, now);
-  EXPECT_EQ(bus.take(), "609 21 16 20 00 08 00 00 00");
-  EXPECT_EQ(hear("589 60 16 20 00 00 00 00 00"), "609 00 01 02 03 04 05 06 07");
-  EXPECT_EQ(hear("589 20 00 00 00 00 00 00 00"), "609 1D 08 00 00 00 00 00 00");
+  EXPECT_EQ(bus.drain(), "609 21 16 20 00 08 00 00 00");
+  EXPECT_EQ(receive("589 60 16 20 00 00 00 00 00"), "609 00 01 02 03 04 05 06 07");
+  EXPECT_EQ(receive("589 20 00 00 00 00 00 00 00"), "609 1D 08 00 00 00 00 00 00");
   EXPECT_EQ(finished, 0);
-  EXPECT_EQ(hear("589 30 00 00 00 00 00 00 00"), "");
+  EXPECT_EQ(receive("589 30 00 00 00 00 00 00 00"), "");
   EXPECT_EQ(finished, 1);
 }
 
 TEST_F(SdoClientTest, EmptyDownload_IsOneSegmentWithoutData) {
   client.download(0x2008, 0, {}, *this, now);
-  EXPECT_EQ(bus.take(), "609 21 08 20 00 00 00 00 00");
-  EXPECT_EQ(hear("589 60 08 20 00 00 00 00 00"), "609 0F 00 00 00 00 00 00 00");
-  EXPECT_EQ(hear("589 20 00 00 00 00 00 00 00"), "");
+  EXPECT_EQ(bus.drain(), "609 21 08 20 00 00 00 00 00");
+  EXPECT_EQ(receive("589 60 08 20 00 00 00 00 00"), "609 0F 00 00 00 00 00 00 00");
+  EXPECT_EQ(receive("589 20 00 00 00 00 00 00 00"), "");
   EXPECT_EQ(finished, 1);
 }
 
 TEST_F(SdoClientTest, AbortOfTheServer_IsReportedAsItCame) {
   client.upload(0x5000, 0, *this, now);
-  bus.take();
-  EXPECT_EQ(hear("589 80 00 50 00 00 00 02 06"), "");
+  bus.drain();
+  EXPECT_EQ(receive("589 80 00 50 00 00 00 02 06"), "");
   EXPECT_EQ(client.abort_code(), AbortCode::no_object);
   EXPECT_EQ(finished, 1);
 }
 
 TEST_F(SdoClientTest, Silence_IsAbortedAtTheTimeOut) {
   client.upload(0x1000, 0, *this, now, 200ms);
-  bus.take();
+  bus.drain();
   EXPECT_EQ(client.deadline(), now + 200ms);
   client.tick(now + 199ms);
-  EXPECT_EQ(bus.take(), "");
+  EXPECT_EQ(bus.drain(), "");
   client.tick(now + 200ms);
-  EXPECT_EQ(bus.take(), "609 80 00 10 00 00 00 04 05");
+  EXPECT_EQ(bus.drain(), "609 80 00 10 00 00 00 04 05");
   EXPECT_EQ(client.abort_code(), AbortCode::timed_out);
   EXPECT_EQ(finished, 1);
 }
@@ -114,67 +213,67 @@ TEST_F(SdoClientTest, Silence_IsAbortedAtTheTimeOut) {
 TEST_F(SdoClientTest, EverySegment_StartsTheTimeOutAnew) {
   client.upload(0x1008, 0, *this, now, 200ms);
   now += 150ms;
-  hear("589 41 08 10 00 09 00 00 00");
+  receive("589 41 08 10 00 09 00 00 00");
   EXPECT_EQ(client.deadline(), now + 200ms);
 }
 
 TEST_F(SdoClientTest, WrongToggleBit_IsAborted) {
   client.upload(0x1008, 0, *this, now);
-  hear("589 41 08 10 00 09 00 00 00");
-  EXPECT_EQ(hear("589 10 4D 45 33 43 41 4E 31"), "609 80 08 10 00 00 00 03 05");
+  receive("589 41 08 10 00 09 00 00 00");
+  EXPECT_EQ(receive("589 10 4D 45 33 43 41 4E 31"), "609 80 08 10 00 00 00 03 05");
   EXPECT_EQ(client.abort_code(), AbortCode::toggle_bit);
 }
 
 TEST_F(SdoClientTest, AnswerThatDoesNotFit_IsAborted) {
   client.upload(0x1008, 0, *this, now);
-  bus.take();
-  EXPECT_EQ(hear("589 60 08 10 00 00 00 00 00"), "609 80 08 10 00 01 00 04 05");
+  bus.drain();
+  EXPECT_EQ(receive("589 60 08 10 00 00 00 00 00"), "609 80 08 10 00 01 00 04 05");
   EXPECT_EQ(client.abort_code(), AbortCode::command_specifier);
 }
 
 TEST_F(SdoClientTest, LateAnswerAboutAnotherObject_IsIgnored) {
   client.upload(0x1008, 0, *this, now);
-  bus.take();
-  EXPECT_EQ(hear("589 43 00 10 00 01 02 03 04"), "");
+  bus.drain();
+  EXPECT_EQ(receive("589 43 00 10 00 01 02 03 04"), "");
   EXPECT_TRUE(client.busy());
 }
 
 TEST_F(SdoClientTest, MoreThanTheMaximum_IsReportedAsBufferTooSmall) {
   client.set_maximum_size(8);
   client.upload(0x1008, 0, *this, now);
-  bus.take();
-  EXPECT_EQ(hear("589 41 08 10 00 09 00 00 00"), "609 80 08 10 00 05 00 04 05");
+  bus.drain();
+  EXPECT_EQ(receive("589 41 08 10 00 09 00 00 00"), "609 80 08 10 00 05 00 04 05");
   EXPECT_EQ(static_cast<std::uint32_t>(client.abort_code()), 0x60600000U);
 }
 
 TEST_F(SdoClientTest, AnnouncedSizeAboveTheUsualLimit_IsRefusedAtOnce) {
   client.upload(0x1008, 0, *this, now);
-  bus.take();
-  EXPECT_EQ(hear("589 41 08 10 00 01 00 00 01"), "609 80 08 10 00 05 00 04 05") << "16 MiB and a byte";
+  bus.drain();
+  EXPECT_EQ(receive("589 41 08 10 00 01 00 00 01"), "609 80 08 10 00 05 00 04 05") << "16 MiB and a byte";
   client.upload(0x1008, 0, *this, now, 200ms, SdoClient::Mode::block);
-  bus.take();
-  EXPECT_EQ(hear("589 C6 08 10 00 01 00 00 01"), "609 80 08 10 00 05 00 04 05");
+  bus.drain();
+  EXPECT_EQ(receive("589 C6 08 10 00 01 00 00 01"), "609 80 08 10 00 05 00 04 05");
   EXPECT_EQ(finished, 2);
 }
 
 TEST_F(SdoClientTest, HigherLimit_LetsAnAnnouncedSizeThrough) {
   client.set_maximum_size(0x01000001);
   client.upload(0x1008, 0, *this, now);
-  bus.take();
-  EXPECT_EQ(hear("589 41 08 10 00 01 00 00 01"), "609 60 00 00 00 00 00 00 00");
+  bus.drain();
+  EXPECT_EQ(receive("589 41 08 10 00 01 00 00 01"), "609 60 00 00 00 00 00 00 00");
 }
 
 TEST_F(SdoClientTest, MoreBytesThanAnnounced_AreAborted) {
   client.upload(0x1008, 0, *this, now);
-  hear("589 41 08 10 00 03 00 00 00");
-  EXPECT_EQ(hear("589 01 4D 45 33 43 41 4E 31"), "609 80 08 10 00 12 00 07 06");
+  receive("589 41 08 10 00 03 00 00 00");
+  EXPECT_EQ(receive("589 01 4D 45 33 43 41 4E 31"), "609 80 08 10 00 12 00 07 06");
 }
 
 TEST_F(SdoClientTest, Cancel_SendsAnAbortAndCallsNobody) {
   client.upload(0x1008, 0, *this, now);
-  bus.take();
+  bus.drain();
   client.cancel(AbortCode::general);
-  EXPECT_EQ(bus.take(), "609 80 08 10 00 00 00 00 08");
+  EXPECT_EQ(bus.drain(), "609 80 08 10 00 00 00 00 08");
   EXPECT_FALSE(client.busy());
   EXPECT_EQ(finished, 0);
 }

@@ -27,10 +27,10 @@ class LossyLine : public SdoClientListener {
     for (int step = 0; step < 2'000'000 && client.busy(); ++step) {
       now += 100us;
       if (!from_client.frames.empty()) {
-        const can::Frame frame = take(from_client.frames);
+        const can::Frame frame = next(from_client.frames);
         if (!lost()) node.receive(frame, now);
       } else if (!from_server.frames.empty()) {
-        const can::Frame frame = take(from_server.frames);
+        const can::Frame frame = next(from_server.frames);
         if (!lost()) client.receive(frame, now);
       }
       if (client.deadline() <= now) client.tick(now);
@@ -55,7 +55,7 @@ class LossyLine : public SdoClientListener {
   int finished = 0;
 
  private:
-  static can::Frame take(std::deque<can::Frame>& frames) {
+  static can::Frame next(std::deque<can::Frame>& frames) {
     const can::Frame frame = frames.front();
     frames.pop_front();
     return frame;

@@ -45,9 +45,9 @@ struct StoredParametersTest : testing::Test, Conversation {
 
 TEST_F(StoredParametersTest, Save_KeepsValuesOverReset) {
   set_values(500);
-  EXPECT_EQ(hear("605 23 10 10 01 73 61 76 65"), "585 60 10 10 01 00 00 00 00");
+  EXPECT_EQ(receive("605 23 10 10 01 73 61 76 65"), "585 60 10 10 01 00 00 00 00");
   set_values(600);
-  hear("000 81 05");
+  receive("000 81 05");
   EXPECT_EQ(heartbeat(), 500);
   EXPECT_EQ(manufacturer(), 500);
   EXPECT_EQ(application(), 500);
@@ -55,23 +55,23 @@ TEST_F(StoredParametersTest, Save_KeepsValuesOverReset) {
 }
 
 TEST_F(StoredParametersTest, ReadingTellsTheCapability_NotTheSignature) {
-  hear("605 23 10 10 01 73 61 76 65");
-  EXPECT_EQ(hear("605 40 10 10 01 00 00 00 00"), "585 43 10 10 01 01 00 00 00");
-  EXPECT_EQ(hear("605 40 11 10 01 00 00 00 00"), "585 43 11 10 01 01 00 00 00");
+  receive("605 23 10 10 01 73 61 76 65");
+  EXPECT_EQ(receive("605 40 10 10 01 00 00 00 00"), "585 43 10 10 01 01 00 00 00");
+  EXPECT_EQ(receive("605 40 11 10 01 00 00 00 00"), "585 43 11 10 01 01 00 00 00");
 }
 
 TEST_F(StoredParametersTest, WrongSignature_IsRefused) {
-  EXPECT_EQ(hear("605 23 10 10 01 6C 6F 61 64"), "585 80 10 10 01 20 00 00 08");
-  EXPECT_EQ(hear("605 23 11 10 01 73 61 76 65"), "585 80 11 10 01 20 00 00 08");
+  EXPECT_EQ(receive("605 23 10 10 01 6C 6F 61 64"), "585 80 10 10 01 20 00 00 08");
+  EXPECT_EQ(receive("605 23 11 10 01 73 61 76 65"), "585 80 11 10 01 20 00 00 08");
   EXPECT_EQ(memory.saves, 0);
 }
 
 TEST_F(StoredParametersTest, Groups_AreStoredApart) {
   set_values(500);
-  hear("605 23 10 10 02 73 61 76 65");
+  receive("605 23 10 10 02 73 61 76 65");
   set_values(600);
-  hear("605 23 10 10 03 73 61 76 65");
-  hear("000 81 05");
+  receive("605 23 10 10 03 73 61 76 65");
+  receive("000 81 05");
   EXPECT_EQ(heartbeat(), 500);
   EXPECT_EQ(application(), 600);
   EXPECT_EQ(manufacturer(), 0);
@@ -79,47 +79,47 @@ TEST_F(StoredParametersTest, Groups_AreStoredApart) {
 
 TEST_F(StoredParametersTest, Restore_TakesEffectAtTheReset) {
   set_values(500);
-  hear("605 23 10 10 01 73 61 76 65");
-  EXPECT_EQ(hear("605 23 11 10 02 6C 6F 61 64"), "585 60 11 10 02 00 00 00 00");
+  receive("605 23 10 10 01 73 61 76 65");
+  EXPECT_EQ(receive("605 23 11 10 02 6C 6F 61 64"), "585 60 11 10 02 00 00 00 00");
   EXPECT_EQ(heartbeat(), 500);
-  EXPECT_EQ(hear("605 23 10 10 01 73 61 76 65"), "585 80 10 10 01 22 00 00 08") << "before the reset";
-  hear("000 82 05");
+  EXPECT_EQ(receive("605 23 10 10 01 73 61 76 65"), "585 80 10 10 01 22 00 00 08") << "before the reset";
+  receive("000 82 05");
   EXPECT_EQ(heartbeat(), 0);
-  hear("000 81 05");
+  receive("000 81 05");
   EXPECT_EQ(manufacturer(), 500);
-  EXPECT_EQ(hear("605 23 10 10 01 73 61 76 65"), "585 60 10 10 01 00 00 00 00");
+  EXPECT_EQ(receive("605 23 10 10 01 73 61 76 65"), "585 60 10 10 01 00 00 00 00");
 }
 
 TEST_F(StoredParametersTest, MemoryThatFails_IsTold) {
   memory.fails = true;
-  EXPECT_EQ(hear("605 23 10 10 01 73 61 76 65"), "585 80 10 10 01 00 00 06 06");
+  EXPECT_EQ(receive("605 23 10 10 01 73 61 76 65"), "585 80 10 10 01 00 00 06 06");
 }
 
 TEST_F(StoredParametersTest, DamagedImage_DoesNoHarm) {
   set_values(500);
-  hear("605 23 10 10 01 73 61 76 65");
+  receive("605 23 10 10 01 73 61 76 65");
   const auto whole = memory.image;
   for (std::size_t length = 0; length < whole.size(); length += 3) {
     memory.image.assign(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
-    hear("000 81 05");
+    receive("000 81 05");
   }
   memory.image.assign(100, 0xFF);
-  EXPECT_EQ(hear("000 81 05"), "705 00");
+  EXPECT_EQ(receive("000 81 05"), "705 00");
   EXPECT_EQ(heartbeat(), 0);
 }
 
 TEST_F(StoredParametersTest, DamagedImage_IsReported_AndNothingOfItUsed) {
   set_values(500);
-  hear("605 23 10 10 01 73 61 76 65");
-  hear("000 81 05");
+  receive("605 23 10 10 01 73 61 76 65");
+  receive("000 81 05");
   EXPECT_EQ(memory.damages, 0);
   memory.image.pop_back();
-  hear("000 81 05");
+  receive("000 81 05");
   EXPECT_EQ(memory.damages, 1);
   EXPECT_EQ(heartbeat(), 0);
   EXPECT_EQ(manufacturer(), 0);
-  hear("605 23 10 10 02 73 61 76 65");  // 1000H to 1FFFH; of the rest nothing is left
-  hear("000 81 05");
+  receive("605 23 10 10 02 73 61 76 65");  // 1000H to 1FFFH; of the rest nothing is left
+  receive("000 81 05");
   EXPECT_EQ(memory.damages, 1);
 }
 
@@ -149,10 +149,10 @@ TEST(StoredParameters, ValueTooLongToBeStored_IsRefused_AndNothingSaved) {
   c.node.set_parameter_store(&memory);
   const auto text = c.node.dictionary().description().find(0x2007, 0);
   c.node.dictionary().assign(text, std::vector<std::uint8_t>(65536, 1));
-  EXPECT_EQ(c.hear("605 23 10 10 01 73 61 76 65"), "585 80 10 10 01 20 00 00 08");
+  EXPECT_EQ(c.receive("605 23 10 10 01 73 61 76 65"), "585 80 10 10 01 20 00 00 08");
   EXPECT_EQ(memory.saves, 0);
   c.node.dictionary().assign(text, std::vector<std::uint8_t>(65535, 1));
-  EXPECT_EQ(c.hear("605 23 10 10 01 73 61 76 65"), "585 60 10 10 01 00 00 00 00");
+  EXPECT_EQ(c.receive("605 23 10 10 01 73 61 76 65"), "585 60 10 10 01 00 00 00 00");
 }
 
 // A device file was edited: the others count.
@@ -162,7 +162,7 @@ TEST(StoredParameters, ValueWhoseLengthHasChanged_IsLeftOut_AndReported) {
   c.node.set_parameter_store(&memory);
   memory.image = {0x17, 0x10, 0x00, 0x01, 0x00, 0x00, 0x00, 0xE8,  //
                   0x05, 0x20, 0x00, 0x02, 0x00, 0x00, 0x00, 0x07, 0x00};
-  c.hear("000 81 05");
+  c.receive("000 81 05");
   EXPECT_EQ(c.node.dictionary().get<std::uint16_t>(0x1017, 0), 0);
   EXPECT_EQ(c.node.dictionary().get<std::uint16_t>(0x2005, 0), 7);
   EXPECT_EQ(memory.damages, 1);
@@ -173,18 +173,18 @@ TEST(StoredParameters, SaveBeforeTheReset_WhereTheOptionsAllowIt_TakesTheRestore
   options.save_before_restored = true;
   Conversation c(with_store(), options);
   c.write(0x2005, 0, 7, 2);
-  c.hear("605 23 10 10 01 73 61 76 65");
-  EXPECT_EQ(c.hear("605 23 11 10 01 6C 6F 61 64"), "585 60 11 10 01 00 00 00 00");
-  EXPECT_EQ(c.hear("605 23 10 10 01 73 61 76 65"), "585 60 10 10 01 00 00 00 00");
-  c.hear("000 81 05");
+  c.receive("605 23 10 10 01 73 61 76 65");
+  EXPECT_EQ(c.receive("605 23 11 10 01 6C 6F 61 64"), "585 60 11 10 01 00 00 00 00");
+  EXPECT_EQ(c.receive("605 23 10 10 01 73 61 76 65"), "585 60 10 10 01 00 00 00 00");
+  c.receive("000 81 05");
   EXPECT_EQ(c.node.dictionary().get<std::uint16_t>(0x2005, 0), 7);
 }
 
 TEST(StoredParameters, WithoutAStore_TheNodeRemembersOverResets) {
   Conversation c(with_store());
   c.write(0x2005, 0, 7, 2);
-  c.hear("605 23 10 10 01 73 61 76 65");
-  c.hear("000 81 05");
+  c.receive("605 23 10 10 01 73 61 76 65");
+  c.receive("000 81 05");
   EXPECT_EQ(c.node.dictionary().get<std::uint16_t>(0x2005, 0), 7);
 }
 
@@ -196,7 +196,7 @@ TEST(StoredParameters, Autonomously_SavesEveryWrite) {
   EXPECT_EQ(memory.saves, 1);
   c.write(0x6200, 1, 7, 1);
   EXPECT_EQ(memory.saves, 1) << "process data";
-  EXPECT_EQ(c.hear("605 40 10 10 01 00 00 00 00"), "585 43 10 10 01 03 00 00 00");
+  EXPECT_EQ(c.receive("605 40 10 10 01 00 00 00 00"), "585 43 10 10 01 03 00 00 00");
 }
 
 TEST(StoredParameters, MarkedEntriesOnly_WhereTheDictionaryMarksSome) {
@@ -206,7 +206,7 @@ TEST(StoredParameters, MarkedEntriesOnly_WhereTheDictionaryMarksSome) {
   c.write(0x2005, 0, 7, 2);
   c.write(0x1017, 0, 7, 2);
   c.write(0x1010, 1, 0x65766173, 4);
-  c.hear("000 81 05");
+  c.receive("000 81 05");
   EXPECT_EQ(c.node.dictionary().get<std::uint16_t>(0x2005, 0), 7);
   EXPECT_EQ(c.node.dictionary().get<std::uint16_t>(0x1017, 0), 0);
 }

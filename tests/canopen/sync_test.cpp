@@ -28,9 +28,9 @@ TEST_F(SyncTest, InStopped_NothingIsProducedAndTheCounterStartsAnew) {
   write(0x1006, 0, 10000, 4);
   write(0x1005, 0, 0x40000080, 4);
   wait(10ms);
-  hear("000 02 05");
+  receive("000 02 05");
   EXPECT_EQ(wait(50ms), "");
-  hear("000 80 05");
+  receive("000 80 05");
   EXPECT_EQ(wait(10ms), "70: 080 01");
 }
 
@@ -45,11 +45,11 @@ TEST_F(SyncTest, OwnSync_TriggersOwnTpdos) {
 TEST_F(SyncTest, LengthThatDoesNotFitTheCounter_IsReportedAndNotActedUpon) {
   set_up(0x1800, {0x60000108}, 1);
   start();
-  take_events();
-  EXPECT_EQ(hear("080 01"), "085 40 82 11 00 00 00 00 00");
-  EXPECT_EQ(hear("080 02"), "");
-  EXPECT_EQ(take_events(), "");
-  EXPECT_EQ(hear("080"), "085 00 00 00 00 00 00 00 00 | 185 00");
+  drain_events();
+  EXPECT_EQ(receive("080 01"), "085 40 82 11 00 00 00 00 00");
+  EXPECT_EQ(receive("080 02"), "");
+  EXPECT_EQ(drain_events(), "");
+  EXPECT_EQ(receive("080"), "085 00 00 00 00 00 00 00 00 | 185 00");
 }
 
 TEST_F(SyncTest, CobId_IsChecked) {
@@ -89,23 +89,23 @@ struct TimeTest : testing::Test, Conversation {};
 
 TEST_F(TimeTest, Consumer_TellsTheTime) {
   EXPECT_EQ(write(0x1012, 0, 0x80000100, 4), AbortCode::none);
-  hear("100 40 E2 01 F0 10 27");
-  EXPECT_EQ(take_events(), "time 123456 10000");
-  hear("100 40 E2 01 00 10");
-  EXPECT_EQ(take_events(), "");
+  receive("100 40 E2 01 F0 10 27");
+  EXPECT_EQ(drain_events(), "time 123456 10000");
+  receive("100 40 E2 01 00 10");
+  EXPECT_EQ(drain_events(), "");
 }
 
 TEST_F(TimeTest, WithoutBit31_NothingIsConsumed) {
-  hear("100 40 E2 01 00 10 27");
-  EXPECT_EQ(take_events(), "");
+  receive("100 40 E2 01 00 10 27");
+  EXPECT_EQ(drain_events(), "");
 }
 
 TEST_F(TimeTest, Producer_NeedsBit30AndNotStopped) {
   EXPECT_FALSE(node.send_time({123456, 10000}, now));
   write(0x1012, 0, 0x40000100, 4);
   EXPECT_TRUE(node.send_time({123456, 10000}, now));
-  EXPECT_EQ(bus.take(), "100 40 E2 01 00 10 27");
-  hear("000 02 05");
+  EXPECT_EQ(bus.drain(), "100 40 E2 01 00 10 27");
+  receive("000 02 05");
   EXPECT_FALSE(node.send_time({123456, 10000}, now));
 }
 

@@ -72,7 +72,7 @@ TEST(ValueMask, WhatTheEndOfAnInhibitTimeCouldNotSend_IsSentAtTheNextLook) {
   const ValueMask other_place = node.set(0x60000808, 1);
   ASSERT_EQ(place & other_place, 0);
   EXPECT_EQ(node.node.values_changed(other_place, node.now), 1U);
-  EXPECT_EQ(node.bus.take(), "185 07");
+  EXPECT_EQ(node.bus.drain(), "185 07");
   node.set(0x60000108, 8);
   EXPECT_EQ(node.node.values_changed(other_place, node.now), 0U);
 }
@@ -83,7 +83,7 @@ TEST(ValueMask, ATpdoWithoutValuesThatWasNotSentYet_IsSentAtTheNextLook) {
   node.start();
   node.bus.is_full = false;
   EXPECT_EQ(node.node.values_changed(node.set(0x60000108, 1), node.now), 1U);
-  EXPECT_EQ(node.bus.take(), "185 00");
+  EXPECT_EQ(node.bus.drain(), "185 00");
 }
 
 RC_GTEST_PROP(ValueMask, OfWhatWasChanged_SayTheSameAsAll, ()) {
@@ -161,13 +161,13 @@ RC_GTEST_PROP(ValueMask, OfWhatWasChanged_SayTheSameAsAll, ()) {
             break;
           }
           default:
-            said = all.hear("080");
-            said_by_some = some.hear("080");
+            said = all.receive("080");
+            said_by_some = some.receive("080");
             break;
         }
     }
-    said += all.bus.take();
-    said_by_some += some.bus.take();
+    said += all.bus.drain();
+    said_by_some += some.bus.drain();
     RC_ASSERT(said_by_some == said);
   }
 }

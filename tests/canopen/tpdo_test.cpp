@@ -18,7 +18,7 @@ TEST_F(TpdoTest, EnteringOperational_SendsEventDrivenTpdosOnce) {
   set_up(tpdo1, {0x60000108, 0x64010110}, 0xFF);
   node.dictionary().set(0x6401, 1, std::int16_t{-2});
   node.command(NmtCommand::start, now);
-  EXPECT_EQ(bus.take(), "185 00 FE FF");
+  EXPECT_EQ(bus.drain(), "185 00 FE FF");
 }
 
 TEST_F(TpdoTest, ChangedValues_AreSentOnce) {
@@ -26,9 +26,9 @@ TEST_F(TpdoTest, ChangedValues_AreSentOnce) {
   start();
   set_input(7);
   EXPECT_EQ(node.values_changed(now), 1U);
-  EXPECT_EQ(bus.take(), "185 07");
+  EXPECT_EQ(bus.drain(), "185 07");
   EXPECT_EQ(node.values_changed(now), 0U);
-  EXPECT_EQ(bus.take(), "");
+  EXPECT_EQ(bus.drain(), "");
 }
 
 TEST_F(TpdoTest, OutsideOperational_NothingIsSent) {
@@ -37,7 +37,7 @@ TEST_F(TpdoTest, OutsideOperational_NothingIsSent) {
   start();
   node.command(NmtCommand::enter_pre_operational, now);
   EXPECT_FALSE(node.tpdo_event(0, now));
-  EXPECT_EQ(bus.take(), "");
+  EXPECT_EQ(bus.drain(), "");
 }
 
 TEST_F(TpdoTest, EventDuringInhibitTime_WaitsForItsEnd) {
@@ -67,7 +67,7 @@ TEST_F(TpdoTest, EventTimer_StartsAnewWithEachTransmission) {
   start();
   EXPECT_EQ(wait(45ms), "20: 185 00 | 40: 185 00");
   node.tpdo_event(0, now);
-  EXPECT_EQ(bus.take(), "185 00");
+  EXPECT_EQ(bus.drain(), "185 00");
   EXPECT_EQ(wait(45ms), "65: 185 00 | 85: 185 00");
 }
 
@@ -99,21 +99,21 @@ TEST_F(TpdoTest, EventTimer_CanBeChangedWhileValid) {
 TEST_F(TpdoTest, CyclicSynchronous_IsSentAtEveryNthSync) {
   set_up(tpdo1, {0x60000108}, 3);
   start();
-  EXPECT_EQ(hear("080"), "");
-  EXPECT_EQ(hear("080"), "");
-  EXPECT_EQ(hear("080"), "185 00");
-  EXPECT_EQ(hear("080"), "");
+  EXPECT_EQ(receive("080"), "");
+  EXPECT_EQ(receive("080"), "");
+  EXPECT_EQ(receive("080"), "185 00");
+  EXPECT_EQ(receive("080"), "");
 }
 
 TEST_F(TpdoTest, AcyclicSynchronous_NeedsAnEventBeforeTheSync) {
   set_up(tpdo1, {0x60000108}, 0);
   start();
-  EXPECT_EQ(hear("080"), "");
+  EXPECT_EQ(receive("080"), "");
   set_input(9);
   EXPECT_EQ(node.values_changed(now), 1U);
-  EXPECT_EQ(bus.take(), "");
-  EXPECT_EQ(hear("080"), "185 09");
-  EXPECT_EQ(hear("080"), "");
+  EXPECT_EQ(bus.drain(), "");
+  EXPECT_EQ(receive("080"), "185 09");
+  EXPECT_EQ(receive("080"), "");
 }
 
 TEST_F(TpdoTest, SyncStartValue_IsTheCounterOfTheFirstTransmission) {
@@ -121,41 +121,41 @@ TEST_F(TpdoTest, SyncStartValue_IsTheCounterOfTheFirstTransmission) {
   write(tpdo1, 6, 4, 1);
   set_up(tpdo1, {0x60000108}, 2);
   start();
-  EXPECT_EQ(hear("080 02"), "");
-  EXPECT_EQ(hear("080 03"), "");
-  EXPECT_EQ(hear("080 04"), "185 00");
-  EXPECT_EQ(hear("080 05"), "");
-  EXPECT_EQ(hear("080 06"), "185 00");
+  EXPECT_EQ(receive("080 02"), "");
+  EXPECT_EQ(receive("080 03"), "");
+  EXPECT_EQ(receive("080 04"), "185 00");
+  EXPECT_EQ(receive("080 05"), "");
+  EXPECT_EQ(receive("080 06"), "185 00");
 }
 
 TEST_F(TpdoTest, SyncStartValueWithoutCounter_HasNoEffect) {
   write(tpdo1, 6, 4, 1);
   set_up(tpdo1, {0x60000108}, 1);
   start();
-  EXPECT_EQ(hear("080"), "185 00");
+  EXPECT_EQ(receive("080"), "185 00");
 }
 
 TEST_F(TpdoTest, RtrOnly_IsSentOnRemoteFrames) {
   set_up(tpdo1, {0x60000108}, 0xFD);
   start();
   set_input(5);
-  EXPECT_EQ(hear("185 R"), "185 05");
-  EXPECT_EQ(hear("080"), "");
+  EXPECT_EQ(receive("185 R"), "185 05");
+  EXPECT_EQ(receive("080"), "");
 }
 
 TEST_F(TpdoTest, RtrOnlySynchronous_SendsTheValuesOfTheLastSync) {
   set_up(tpdo1, {0x60000108}, 0xFC);
   start();
   set_input(5);
-  EXPECT_EQ(hear("080"), "");
+  EXPECT_EQ(receive("080"), "");
   set_input(6);
-  EXPECT_EQ(hear("185 R1"), "185 05");
+  EXPECT_EQ(receive("185 R1"), "185 05");
 }
 
 TEST_F(TpdoTest, WithBit30_RemoteFramesAreNotAnswered) {
   set_up(tpdo1, {0x60000108}, 0xFE);
   start();
-  EXPECT_EQ(hear("185 R"), "");
+  EXPECT_EQ(receive("185 R"), "");
 }
 
 TEST_F(TpdoTest, Booleans_ArePackedBitByBit) {
@@ -165,15 +165,16 @@ TEST_F(TpdoTest, Booleans_ArePackedBitByBit) {
   node.dictionary().set(0x6020, 4, std::uint8_t{1});
   node.dictionary().set(0x6000, 1, std::uint8_t{0xFF});
   node.command(NmtCommand::start, now);
-  EXPECT_EQ(bus.take(), "185 FD 0F");
+  EXPECT_EQ(bus.drain(), "185 FD 0F");
 }
 
 TEST_F(TpdoTest, WriteThroughSdo_IsAnEvent) {
   set_up(tpdo1, {0x65000040}, 0xFE);
   start();
-  hear("605 21 00 65 00 08 00 00 00");
-  hear("605 00 01 02 03 04 05 06 07");
-  EXPECT_EQ(hear("605 1D 08 00 00 00 00 00 00"), "185 01 02 03 04 05 06 07 08 | 585 30 00 00 00 00 00 00 00");
+  receive("605 21 00 65 00 08 00 00 00");
+  receive("605 00 01 02 03 04 05 06 07");
+  EXPECT_EQ(receive("605 1D 08 00 00 00 00 00 00"),
+            "185 01 02 03 04 05 06 07 08 | 585 30 00 00 00 00 00 00 00");
 }
 
 TEST_F(TpdoTest, ExtendedIdentifier_IsUsed) {
@@ -181,23 +182,23 @@ TEST_F(TpdoTest, ExtendedIdentifier_IsUsed) {
   write(0x1A00, 0, 1, 1);
   ASSERT_EQ(write(tpdo1, 1, 0x60012345, 4), AbortCode::none);
   node.command(NmtCommand::start, now);
-  EXPECT_EQ(bus.take(), "00012345 00");
+  EXPECT_EQ(bus.drain(), "00012345 00");
 }
 
 TEST_F(TpdoTest, SynchronousTpdos_CarryTheValuesBeforeTheRpdosOfTheSameSync) {
   set_up(tpdo1, {0x65000040}, 1);
   set_up(0x1400, {0x65000040}, 1);
   start();
-  hear("205 01 00 00 00 00 00 00 00");
-  EXPECT_EQ(hear("080"), "185 00 00 00 00 00 00 00 00");
-  EXPECT_EQ(hear("080"), "185 01 00 00 00 00 00 00 00");
+  receive("205 01 00 00 00 00 00 00 00");
+  EXPECT_EQ(receive("080"), "185 00 00 00 00 00 00 00 00");
+  EXPECT_EQ(receive("080"), "185 01 00 00 00 00 00 00 00");
 }
 
 TEST(Tpdo, Bit30_CanBeConstant) {
   Conversation c(NodeOptions{.tpdo_rtr_bit_is_constant = true});
-  EXPECT_EQ(c.hear("605 40 00 18 01 00 00 00 00"), "585 43 00 18 01 85 01 00 C0");
-  EXPECT_EQ(c.hear("605 23 00 18 01 85 01 00 00"), "585 60 00 18 01 00 00 00 00");
-  EXPECT_EQ(c.hear("605 40 00 18 01 00 00 00 00"), "585 43 00 18 01 85 01 00 40");
+  EXPECT_EQ(c.receive("605 40 00 18 01 00 00 00 00"), "585 43 00 18 01 85 01 00 C0");
+  EXPECT_EQ(c.receive("605 23 00 18 01 85 01 00 00"), "585 60 00 18 01 00 00 00 00");
+  EXPECT_EQ(c.receive("605 40 00 18 01 00 00 00 00"), "585 43 00 18 01 85 01 00 40");
 }
 
 TEST(Tpdo, InhibitTime_CanCountInMilliseconds) {
@@ -217,7 +218,7 @@ TEST_F(TpdoTest, FullTransmitQueue_KeepsTheChange) {
   EXPECT_EQ(node.values_changed(now), 0U);
   bus.is_full = false;
   EXPECT_EQ(node.values_changed(now), 1U);
-  EXPECT_EQ(bus.take(), "185 03");
+  EXPECT_EQ(bus.drain(), "185 03");
 }
 
 // A TPDO that is valid with nothing mapped has nothing to say, in whatever way it is asked.
@@ -228,12 +229,12 @@ TEST_F(TpdoTest, WithNothingMapped_IsNotSent) {
     write(tpdo1, 2, type, 1);
     write(tpdo1, 5, 10, 2);
     EXPECT_EQ(write(tpdo1, 1, 0x185, 4), AbortCode::none);
-    bus.take();
+    bus.drain();
     node.command(NmtCommand::start, now);
-    EXPECT_EQ(bus.take(), "") << type;
+    EXPECT_EQ(bus.drain(), "") << type;
     EXPECT_FALSE(node.tpdo_event(0, now)) << type;
-    EXPECT_EQ(hear("080"), "") << type;
-    EXPECT_EQ(hear("185 R"), "") << type;
+    EXPECT_EQ(receive("080"), "") << type;
+    EXPECT_EQ(receive("185 R"), "") << type;
     EXPECT_EQ(wait(100ms), "") << type;
   }
 }
@@ -245,9 +246,9 @@ TEST_F(TpdoTest, WithNothingMapped_IsSentOnceItIsMapped) {
   write(0x1A00, 1, 0x6000'0108, 4);
   write(0x1A00, 0, 1, 1);
   write(tpdo1, 1, 0x4000'0185, 4);
-  bus.take();
+  bus.drain();
   EXPECT_TRUE(node.tpdo_event(0, now));
-  EXPECT_EQ(bus.take(), "185 00");
+  EXPECT_EQ(bus.drain(), "185 00");
 }
 
 }  // namespace

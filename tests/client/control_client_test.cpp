@@ -29,7 +29,7 @@ std::expected<text::Json, std::string> answered(const std::string& line) {
     EXPECT_EQ(request, "{\"request\":\"list\"}\n");
     boost::asio::write(socket, boost::asio::buffer(line + "\n"), ignored);
   });
-  return ask_control(
+  return request_control(
       {.host = "127.0.0.1", .port = acceptor.local_endpoint().port(), .timeout = std::chrono::seconds(10)},
       {{"request", "list"}});
 }

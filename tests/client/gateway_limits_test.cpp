@@ -16,12 +16,12 @@ using testing::IsEmpty;
 class GatewayLimitsTest : public GatewaySetup {};
 
 TEST_F(GatewayLimitsTest, SequenceNumbers_Are32Bits) {
-  EXPECT_EQ(ask("[0] 5 start"), "[0] OK");
-  EXPECT_EQ(ask("[4294967295] 5 start"), "[4294967295] OK");
-  EXPECT_EQ(ask("[0xFFFFFFFF] 5 start"), "[4294967295] OK");
-  EXPECT_EQ(ask("[0x100000000] 5 start"), "ERROR:101 #syntax error");
-  EXPECT_EQ(ask("[-1] 5 start"), "ERROR:101 #syntax error");
-  EXPECT_EQ(ask("[] 5 start"), "ERROR:101 #syntax error");
+  EXPECT_EQ(answer_to("[0] 5 start"), "[0] OK");
+  EXPECT_EQ(answer_to("[4294967295] 5 start"), "[4294967295] OK");
+  EXPECT_EQ(answer_to("[0xFFFFFFFF] 5 start"), "[4294967295] OK");
+  EXPECT_EQ(answer_to("[0x100000000] 5 start"), "ERROR:101 #syntax error");
+  EXPECT_EQ(answer_to("[-1] 5 start"), "ERROR:101 #syntax error");
+  EXPECT_EQ(answer_to("[] 5 start"), "ERROR:101 #syntax error");
 }
 
 TEST_F(GatewayLimitsTest, LineWithoutEnd_IsASyntaxErrorOnceItEnds) {
@@ -33,11 +33,11 @@ TEST_F(GatewayLimitsTest, LineWithoutEnd_IsASyntaxErrorOnceItEnds) {
 }
 
 TEST_F(GatewayLimitsTest, CommandSize_IsTheLongestLine) {
-  EXPECT_EQ(ask("set command_size 32"), "OK");
-  EXPECT_EQ(ask("5 start #" + std::string(23, 'x')), "OK");
-  EXPECT_EQ(ask("5 start #" + std::string(24, 'x')), "ERROR:101 #syntax error");
-  EXPECT_EQ(ask("set command_size 65536"), "OK");
-  EXPECT_EQ(ask("set command_size 65537"), "ERROR:600 #running out of memory");
+  EXPECT_EQ(answer_to("set command_size 32"), "OK");
+  EXPECT_EQ(answer_to("5 start #" + std::string(23, 'x')), "OK");
+  EXPECT_EQ(answer_to("5 start #" + std::string(24, 'x')), "ERROR:101 #syntax error");
+  EXPECT_EQ(answer_to("set command_size 65536"), "OK");
+  EXPECT_EQ(answer_to("set command_size 65537"), "ERROR:600 #running out of memory");
 }
 
 TEST_F(GatewayLimitsTest, ClientThatTakesNoAnswers_IsNotAskedFurther) {
@@ -55,18 +55,18 @@ TEST_F(GatewayLimitsTest, ClientThatTakesNoAnswers_IsNotAskedFurther) {
 }
 
 TEST_F(GatewayLimitsTest, SdoTimeOut_HasABound) {
-  EXPECT_EQ(ask("set sdo_timeout 65535"), "OK");
-  EXPECT_EQ(ask("set sdo_timeout 65536"), "ERROR:101 #syntax error");
-  EXPECT_EQ(ask("set sdo_timeout 0"), "ERROR:101 #syntax error");
+  EXPECT_EQ(answer_to("set sdo_timeout 65535"), "OK");
+  EXPECT_EQ(answer_to("set sdo_timeout 65536"), "ERROR:101 #syntax error");
+  EXPECT_EQ(answer_to("set sdo_timeout 0"), "ERROR:101 #syntax error");
 }
 
 TEST_F(GatewayLimitsTest, ObjectThatIsTooLong_IsNotRead) {
-  say("[6] 5 r 0x2000 0");
-  hear(data_frame(0x585, {0x41, 0x00, 0x20, 0, 0x01, 0, 0x08, 0}));
+  send("[6] 5 r 0x2000 0");
+  receive(data_frame(0x585, {0x41, 0x00, 0x20, 0, 0x01, 0, 0x08, 0}));
   EXPECT_THAT(ends.lines, ElementsAre("[6] ERROR:600 #running out of memory\r\n"));
   EXPECT_EQ(ends.frames.back().data[0], 0x80) << "an abort";
-  say("[7] 5 r 0x2000 0");
-  hear(data_frame(0x585, {0x41, 0x00, 0x20, 0, 0x00, 0, 0x08, 0}));
+  send("[7] 5 r 0x2000 0");
+  receive(data_frame(0x585, {0x41, 0x00, 0x20, 0, 0x00, 0, 0x08, 0}));
   EXPECT_THAT(ends.lines, IsEmpty());
   EXPECT_EQ(ends.frames.back(), data_frame(0x605, {0x60, 0, 0, 0, 0, 0, 0, 0}));
 }

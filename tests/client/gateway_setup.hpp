@@ -18,7 +18,7 @@ struct WireAndClient : can::Sink, GatewaySession::Peer {
     frames.push_back(frame);
     return true;
   }
-  void say(std::string_view line) override { lines.emplace_back(line); }
+  void send_line(std::string_view line) override { lines.emplace_back(line); }
   bool is_full() const override { return lines.size() >= clients_room; }
 
   std::vector<can::Frame> frames;
@@ -29,14 +29,14 @@ struct WireAndClient : can::Sink, GatewaySession::Peer {
 
 class GatewaySetup : public testing::Test {
  protected:
-  void say(const std::string& text) { session.receive(text + "\r\n", now); }
+  void send(const std::string& text) { session.receive(text + "\r\n", now); }
   /// The answer to one line.
-  std::string ask(const std::string& text) {
+  std::string answer_to(const std::string& text) {
     ends.lines.clear();
-    say(text);
+    send(text);
     return ends.lines.empty() ? "(nothing)" : ends.lines.back().substr(0, ends.lines.back().find("\r\n"));
   }
-  void hear(const can::Frame& frame) {
+  void receive(const can::Frame& frame) {
     ends.lines.clear();
     gateway.receive(frame, now);
   }

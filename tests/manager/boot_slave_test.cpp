@@ -17,6 +17,21 @@ constexpr std::uint32_t mandatory = 0x0D;  // and mandatory
 
 class BootSlave : public MasterBench {};
 
+// --- answers that are too short
+
+TEST_F(BootSlave, IdentityOfSevenBytes_IsAnErrorThatNamesIt) {
+  object(0x1F80, 0, 0x01);
+  object(0x1F81, 2, mandatory);
+  object(0x1F85, 2, 0x23);
+  ScriptedSlave& device = slave(2);
+  device.objects[{0x1018, 1}] = {0x23, 0, 0, 0};
+  device.lengths[{0x1018, 1}] = 7;
+  switch_on();
+  run_for(1s);
+  EXPECT_EQ(master.boot_record(2).error, BootError::vendor);
+  EXPECT_THAT(explain(master.boot_record(2), 2, now), HasSubstr("an answer of 7 bytes, expected 8"));
+}
+
 // --- identity
 
 struct Identity {
@@ -316,7 +331,7 @@ TEST_F(BootSlave, Explanation_OfAWrongDevice_NamesBothValues) {
   switch_on();
   run_for(1s);
   EXPECT_THAT(explain(master.boot_record(2), 2, now),
-              HasSubstr("1000H:00 reads 000F0191H, expected 000F0192H"));
+              HasSubstr("1000:00 reads 000F0191H, expected 000F0192H"));
 }
 
 }  // namespace

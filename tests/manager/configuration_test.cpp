@@ -166,7 +166,7 @@ TEST_F(Configuration, AnyOtherAbort_EndsIt) {
   EXPECT_TRUE(master.halted());
   const std::string words = explain(master.boot_record(2), 2, now);
   EXPECT_THAT(words, HasSubstr("(J, configuration failed)"));
-  EXPECT_THAT(words, HasSubstr("1017H:00: abort 06090030H"));
+  EXPECT_THAT(words, HasSubstr("1017:00: abort 06090030H"));
 }
 
 TEST_F(Configuration, DamagedFile_EndsIt) {

@@ -29,11 +29,11 @@ class LostHeartbeat : public MasterBench {
     switch_on();
     heartbeats(2, 0x7F, 5ms, 15ms);
     run_until_ms(1000);
-    hear(can::data_frame(0x702, {0x05}));
+    receive(can::data_frame(0x702, {0x05}));
     run_until_ms(2000);
-    hear(can::data_frame(0x702, {0x05}));
+    receive(can::data_frame(0x702, {0x05}));
     run_until_ms(3000);
-    hear(can::data_frame(0x702, {0x05}));
+    receive(can::data_frame(0x702, {0x05}));
     ASSERT_EQ(node.state(), NmtState::operational);
     ASSERT_EQ(master.boot_record(2).step, BootStep::booted);
     device.heartbeat_after_reset = 100ms;
@@ -95,7 +95,7 @@ TEST_F(LostHeartbeat, MandatorySlave_Bit6_StopsAllForGood) {
   EXPECT_FALSE(master.starting());
   EXPECT_EQ(master.node_state(2), 4);
   EXPECT_THAT(sent(), ElementsAre("4500 000 02 00"));
-  hear(can::data_frame(0x702, {0x00}));
+  receive(can::data_frame(0x702, {0x00}));
   run_for(60s);
   EXPECT_THAT(sent(), IsEmpty());
 }
@@ -144,7 +144,7 @@ TEST_F(ErrorControl, UnassignedNodeLost_IsOnlyShown) {
   switch_on();
   run_until_ms(1000);
   EXPECT_EQ(master.error_control(2), 0);
-  hear(can::data_frame(0x702, {0x05}));
+  receive(can::data_frame(0x702, {0x05}));
   EXPECT_EQ(master.error_control(2), 0x02);
   EXPECT_EQ(master.node_state(2), 5);
   sent();
@@ -323,6 +323,30 @@ TEST_F(Guarding, GuardTimeWritten_WhileRunning_TakesEffect) {
   EXPECT_EQ(write(0x1F81, 2, 0x00C80301, 4), AbortCode::none);
   run_until_ms(600);
   EXPECT_THAT(sent(), ElementsAre("150 702 R", "350 702 R", "550 702 R"));
+}
+
+// 8400H of an FX2N-32CAN or FX3U-CAN is taken during the 500 ms of the master's own start-up, too.
+TEST_F(ErrorControl, Guarding_OfASlaveAssignedDuringTheStartUp_BeginsAtOnce) {
+  object(0x1F80, 0, 0x01);
+  switch_on();
+  run_until_ms(100);
+  ASSERT_TRUE(master.starting());
+  sent();
+  EXPECT_EQ(write(0x1F81, 2, 0x00C80301, 4), AbortCode::none);
+  run_until_ms(600);
+  EXPECT_THAT(only(sent(), " R"), ElementsAre("100 702 R", "300 702 R", "500 702 R"));
+}
+
+TEST_F(ErrorControl, ASlaveAssignedDuringTheStartUp_IsBooted_WhereEachAssignedOneIs) {
+  master.options().boot_bit_is_for_recovery = true;
+  object(0x1F80, 0, 0x01);
+  slave(2);
+  switch_on();
+  run_until_ms(100);
+  ASSERT_TRUE(master.starting());
+  EXPECT_EQ(write(0x1F81, 2, 0x01, 4), AbortCode::none);
+  run_until_ms(1000);
+  EXPECT_EQ(master.boot_record(2).step, BootStep::booted);
 }
 
 TEST_F(Guarding, RetryFactor1_AnswersWithJitter_LoseNobody) {

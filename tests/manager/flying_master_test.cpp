@@ -64,7 +64,7 @@ TEST_F(Flying, HeartbeatConfigured_StaysAsItIs) {
 TEST_F(Flying, BetterMasterAnswers_StandsBy_AndWatchesItsHeartbeat) {
   switch_on();
   run_until_ms(550);
-  hear(can::data_frame(0x071, {0x00, 0x05}));
+  receive(can::data_frame(0x071, {0x00, 0x05}));
   EXPECT_EQ(master.active_master(), 5);
   EXPECT_FALSE(master.active());
   const auto entry = node.dictionary().get<std::uint32_t>(0x1016, 1);
@@ -79,7 +79,7 @@ TEST_F(Flying, WatchedAlready_KeepsItsOwnConsumerTime) {
   object(0x1016, 3, 0x00050BB8);
   switch_on();
   run_until_ms(550);
-  hear(can::data_frame(0x071, {0x00, 0x05}));
+  receive(can::data_frame(0x071, {0x00, 0x05}));
   EXPECT_EQ(node.dictionary().get<std::uint32_t>(0x1016, 1), 0U);
   sent();
   run_until_ms(3549);
@@ -92,9 +92,9 @@ TEST_F(Flying, WorseMasterAnswers_IsForcedToNegotiate) {
   switch_on();
   run_until_ms(550);
   sent();
-  hear(can::data_frame(0x071, {0x01, 0x05}));
+  receive(can::data_frame(0x071, {0x01, 0x05}));
   EXPECT_THAT(frames(), ElementsAre("550 076", "550 072"));
-  hear(can::data_frame(0x072));
+  receive(can::data_frame(0x072));
   run_until_ms(2059);
   EXPECT_FALSE(master.active());
   run_until_ms(2060);
@@ -104,7 +104,7 @@ TEST_F(Flying, WorseMasterAnswers_IsForcedToNegotiate) {
 TEST_F(Flying, BetterMasterIsFasterInTheNegotiation_StandsBy) {
   switch_on();
   run_until_ms(1000);
-  hear(can::data_frame(0x071, {0x00, 0x7F}));
+  receive(can::data_frame(0x071, {0x00, 0x7F}));
   run_until_ms(2400);
   EXPECT_FALSE(master.active());
   EXPECT_EQ(master.active_master(), 127);
@@ -113,7 +113,7 @@ TEST_F(Flying, BetterMasterIsFasterInTheNegotiation_StandsBy) {
 TEST_F(Flying, ActiveMasterLost_ResetsTheNetwork_AndNegotiates) {
   switch_on();
   run_until_ms(550);
-  hear(can::data_frame(0x071, {0x00, 0x05}));
+  receive(can::data_frame(0x071, {0x00, 0x05}));
   run_until_ms(2000);
   heartbeat(5, 0x05);
   sent();
@@ -129,7 +129,7 @@ TEST_F(Flying, ActiveMasterWithoutHeartbeat_IsResetAgainAndAgain) {
   switch_on();
   run_until_ms(550);
   for (int i = 0; i < 5; ++i) {
-    hear(can::data_frame(0x071, {0x00, 0x05}));
+    receive(can::data_frame(0x071, {0x00, 0x05}));
     sent();
     run_for(1510ms);
     EXPECT_EQ(commands().size(), 1U);
@@ -141,9 +141,9 @@ TEST_F(Flying, Active_AnswersWhoAsks) {
   switch_on();
   run_until_ms(3000);
   sent();
-  hear(can::data_frame(0x073));
+  receive(can::data_frame(0x073));
   EXPECT_THAT(frames(), ElementsAre("3000 071 01 01"));
-  hear(can::data_frame(0x075));
+  receive(can::data_frame(0x075));
   EXPECT_THAT(frames(), ElementsAre("3000 074"));
 }
 
@@ -162,7 +162,7 @@ TEST_F(Flying, Active_ForcedToNegotiate_GivesTheRoleUpMeanwhile) {
   run_until_ms(3000);
   ASSERT_TRUE(master.guarding(2));
   sent();
-  hear(can::data_frame(0x076));
+  receive(can::data_frame(0x076));
   EXPECT_THAT(frames(), ElementsAre("3000 072"));
   EXPECT_FALSE(master.active());
   EXPECT_FALSE(master.guarding(2));
@@ -179,7 +179,7 @@ TEST_F(Flying, Active_ForcedToNegotiate_GivesTheRoleUpMeanwhile) {
 TEST_F(Flying, Active_HearsABetterOne_StandsBy) {
   switch_on();
   run_until_ms(3000);
-  hear(can::data_frame(0x071, {0x00, 0x09}));
+  receive(can::data_frame(0x071, {0x00, 0x09}));
   EXPECT_FALSE(master.active());
   EXPECT_EQ(master.active_master(), 9);
 }

@@ -24,7 +24,7 @@ TEST_F(LateBootUp, LateBootUp_WhileOperational_BootsAndStartsTheSlave) {
   switch_on();
   run_until_ms(3000);
   sent();
-  hear(can::data_frame(0x702, {0x00}));
+  receive(can::data_frame(0x702, {0x00}));
   EXPECT_EQ(master.node_state(2), 0x7F);
   EXPECT_TRUE(master.starting());
   run_for(1s);
@@ -40,7 +40,7 @@ TEST_F(LateBootUp, LateBootUp_WhileTheMasterIsStopped_IsNotFollowed) {
   run_until_ms(3000);
   node.command(canopen::NmtCommand::stop, now);
   sent();
-  hear(can::data_frame(0x702, {0x00}));
+  receive(can::data_frame(0x702, {0x00}));
   run_for(10s);
   EXPECT_THAT(sent(), IsEmpty());
 }
@@ -50,7 +50,7 @@ TEST_F(LateBootUp, BootUpOfAnUnassignedNode_IsOnlyShown) {
   switch_on();
   run_until_ms(3000);
   sent();
-  hear(can::data_frame(0x709, {0x00}));
+  receive(can::data_frame(0x709, {0x00}));
   run_for(10s);
   EXPECT_THAT(sent(), IsEmpty());
   EXPECT_EQ(master.node_state(9), 0x7F);
@@ -64,8 +64,8 @@ TEST_F(LateBootUp, BootUpInTheMiddleOfTheBoot_BeginsAgain) {
   device.objects[{0x1018, 1}] = {0x71, 0, 0, 0};
   device.answer_delay = 10ms;
   switch_on();
-  run_until_ms(20);  // 1018H:01 is being asked
-  hear(can::data_frame(0x702, {0x00}));
+  run_until_ms(20);  // 1018:01 is being asked
+  receive(can::data_frame(0x702, {0x00}));
   run_for(5s);
   EXPECT_EQ(only(sent(), " 602 40 00 10").size(), 2U);
   EXPECT_TRUE(std::count(events.begin(), events.end(), "booted 2") == 1);
@@ -78,7 +78,7 @@ TEST_F(LateBootUp, BootUpThatComesAfterAnAnswer_BelongsToTheReset_AndBeginsNothi
   switch_on();
   run_until_ms(10000);
   EXPECT_THAT(only(sent(), " 602 "), ElementsAre("1000 602 40 00 10 00 00 00 00 00"));
-  hear(can::data_frame(0x702, {0x00}));  // the next one is a real one
+  receive(can::data_frame(0x702, {0x00}));  // the next one is a real one
   run_for(1s);
   EXPECT_THAT(sent(), ElementsAre("10000 602 40 00 10 00 00 00 00 00", "10001 000 01 02"));
 }
@@ -90,7 +90,7 @@ TEST_F(LateBootUp, BootUpLongAfterTheReset_IsANewOne) {
   switch_on();
   run_until_ms(10000);
   sent();
-  hear(can::data_frame(0x702, {0x00}));
+  receive(can::data_frame(0x702, {0x00}));
   run_for(1s);
   EXPECT_THAT(sent(), ElementsAre("10000 602 40 00 10 00 00 00 00 00", "10001 000 01 02"));
 }

@@ -37,7 +37,7 @@ class LssMasterTest : public ::testing::Test, public can::Sink, public lss::LssM
     }
     now = end;
   }
-  void hear(std::initializer_list<std::uint8_t> bytes) {
+  void receive(std::initializer_list<std::uint8_t> bytes) {
     std::vector<std::uint8_t> data(bytes);
     data.resize(8);
     master.receive(can::data_frame(0x7E4, data), now);
@@ -56,7 +56,7 @@ TEST_F(LssMasterTest, Select_SendsTheFourParts_AndIsDoneWithTheAnswer) {
   EXPECT_THAT(lines, ElementsAre("7E5 40 71 00 00 00 00 00 00", "7E5 41 63 ED 00 00 00 00 00",
                                  "7E5 42 00 00 01 00 00 00 00", "7E5 43 78 56 34 12 00 00 00"));
   EXPECT_THAT(results, IsEmpty());
-  hear({0x44});
+  receive({0x44});
   EXPECT_THAT(results, ElementsAre(lss::LssResult::done));
   EXPECT_FALSE(master.busy());
 }
@@ -72,9 +72,9 @@ TEST_F(LssMasterTest, Select_NoAnswerIn100Ms_IsSilence) {
 TEST_F(LssMasterTest, ConfigureNodeId_DoneOrRefused) {
   master.configure_node_id(5, now);
   EXPECT_THAT(lines, ElementsAre("7E5 11 05 00 00 00 00 00 00"));
-  hear({0x11, 0x00});
+  receive({0x11, 0x00});
   master.configure_node_id(5, now);
-  hear({0x11, 0xFF, 0x07});
+  receive({0x11, 0xFF, 0x07});
   EXPECT_THAT(results, ElementsAre(lss::LssResult::done, lss::LssResult::refused));
   EXPECT_EQ(master.error(), 0xFF);
   EXPECT_EQ(master.specific_error(), 0x07);
@@ -86,19 +86,19 @@ TEST_F(LssMasterTest, OtherServices_InLiteralFrames) {
   master.switch_global(false, now);
   wait(1ms);
   master.configure_bit_timing(2, now);
-  hear({0x13, 0x00});
+  receive({0x13, 0x00});
   master.activate_bit_timing(1000ms, now);
   wait(1ms);
   master.store(now);
-  hear({0x17, 0x00});
+  receive({0x17, 0x00});
   master.inquire(3, now);
-  hear({0x5D, 0x78, 0x56, 0x34, 0x12});
+  receive({0x5D, 0x78, 0x56, 0x34, 0x12});
   EXPECT_EQ(master.value(), 0x12345678U);
   master.inquire_node_id(now);
-  hear({0x5E, 0x05});
+  receive({0x5E, 0x05});
   EXPECT_EQ(master.value(), 5U);
   master.identify_unconfigured(now);
-  hear({0x50});
+  receive({0x50});
   EXPECT_THAT(lines, ElementsAre("7E5 04 01 00 00 00 00 00 00", "7E5 04 00 00 00 00 00 00 00",
                                  "7E5 13 00 02 00 00 00 00 00", "7E5 15 E8 03 00 00 00 00 00",
                                  "7E5 17 00 00 00 00 00 00 00", "7E5 5D 00 00 00 00 00 00 00",
@@ -113,7 +113,7 @@ TEST_F(LssMasterTest, Identify_SendsTheRanges) {
   EXPECT_THAT(lines, ElementsAre("7E5 46 01 00 00 00 00 00 00", "7E5 47 02 00 00 00 00 00 00",
                                  "7E5 48 03 00 00 00 00 00 00", "7E5 49 04 00 00 00 00 00 00",
                                  "7E5 4A 05 00 00 00 00 00 00", "7E5 4B 06 00 00 00 00 00 00"));
-  hear({0x4F});
+  receive({0x4F});
   EXPECT_THAT(results, ElementsAre(lss::LssResult::done));
 }
 
@@ -145,7 +145,7 @@ TEST_F(LssMasterTest, SlowScan_HalvesRevisionThenSerial_AndSelects) {
   };
   const auto silence = [&] { wait(100ms); };
   const auto answer = [&] {
-    hear({0x4F});
+    receive({0x4F});
     EXPECT_THAT(lines, IsEmpty());  // others may still answer
     wait(100ms);
   };
@@ -163,7 +163,7 @@ TEST_F(LssMasterTest, SlowScan_HalvesRevisionThenSerial_AndSelects) {
   EXPECT_THAT(lines, ElementsAre("7E5 40 71 00 00 00 00 00 00", "7E5 41 63 ED 00 00 00 00 00",
                                  "7E5 42 06 00 00 00 00 00 00", "7E5 43 01 00 00 00 00 00 00"));
   EXPECT_THAT(results, IsEmpty());
-  hear({0x44});
+  receive({0x44});
   EXPECT_THAT(results, ElementsAre(lss::LssResult::done));
   EXPECT_EQ(master.address(), (lss::LssAddress{0x71, 0xED63, 6, 1}));
 }
@@ -176,15 +176,15 @@ TEST_F(LssMasterTest, SlowScan_NobodyThere_IsSilence_GoneInTheMiddle_IsLost) {
   results.clear();
   master.slow_scan({1, 2, 0, 0}, {1, 2, 0xFFFFFFFF, 0xFFFFFFFF}, now);
   wait(6ms);
-  hear({0x4F});
+  receive({0x4F});
   wait(100s);
   EXPECT_THAT(results, ElementsAre(lss::LssResult::lost));
 }
 
 TEST_F(LssMasterTest, AnswersToNothing_AreIgnored) {
-  hear({0x44});
+  receive({0x44});
   master.store(now);
-  hear({0x11, 0x00});
+  receive({0x11, 0x00});
   EXPECT_THAT(results, IsEmpty());
 }
 

@@ -133,12 +133,12 @@ class MasterBench : public ::testing::Test,
   void run_for(can::Duration duration) { run_until(now + duration); }
   void run_until_ms(int milliseconds) { run_until(can::Time(std::chrono::milliseconds(milliseconds))); }
   /// A frame of somebody else reaches the master's side now.
-  void hear(const can::Frame& frame) {
+  void receive(const can::Frame& frame) {
     node.receive(frame, now);
     master.receive(frame, now);
     run_for(0ms);
   }
-  void heartbeat(std::uint8_t id, std::uint8_t state) { hear(can::data_frame(0x700U + id, {state})); }
+  void heartbeat(std::uint8_t id, std::uint8_t state) { receive(can::data_frame(0x700U + id, {state})); }
   /// A heartbeat every `period` from now on to `end`.
   void heartbeats(std::uint8_t id, std::uint8_t state, can::Duration period, can::Duration duration) {
     for (can::Duration after{}; after <= duration; after += period) {
@@ -195,7 +195,7 @@ class MasterBench : public ::testing::Test,
         std::to_string(
             std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count()) +
         " " + text(frame));
-    for (ScriptedSlave& device : slaves) device.hear(frame);
+    for (ScriptedSlave& device : slaves) device.receive(frame);
     return true;
   }
   // NodeListener

@@ -47,6 +47,17 @@ TEST_F(ProgramDownload, OtherVersion_StopClearDownloadStatusVerifyStart_AndBoots
   EXPECT_EQ(record().step, BootStep::booted);
 }
 
+TEST_F(ProgramDownload, AnswersWithoutTheirSize_AreTheValuesOfTheirTypes) {
+  device().indicates_size = false;  // 1F51H is UNSIGNED8, the others have four bytes
+  device().objects[control] = {0};
+  switch_on();
+  run_for(2s);
+  ASSERT_GE(device().written.size(), 1U);
+  EXPECT_EQ(device().written[0], (std::pair{control, Bytes{3}})) << "the program was stopped already";
+  EXPECT_EQ(record().step, BootStep::booted);
+  EXPECT_EQ(downloaded, programs[2]);
+}
+
 TEST_F(ProgramDownload, StoppedProgram_IsNotStoppedAgain) {
   for (const std::uint8_t state : {std::uint8_t{0}, std::uint8_t{2}}) {
     device().objects[version] = {0x11, 0, 0, 0};
@@ -106,7 +117,7 @@ TEST_F(ProgramDownload, VersionCannotBeRead_EndsWithG) {
   switch_on();
   run_for(1s);
   EXPECT_EQ(letter(record().error), 'G');
-  EXPECT_THAT(words(), HasSubstr("1F56H:01: abort 06020000H"));
+  EXPECT_THAT(words(), HasSubstr("1F56:01: abort 06020000H"));
 }
 
 // --- H
@@ -117,7 +128,7 @@ TEST_F(ProgramDownload, UpdateNotAllowed_EndsWithH) {
   run_for(1s);
   EXPECT_EQ(letter(record().error), 'H');
   EXPECT_TRUE(device().written.empty());
-  EXPECT_THAT(words(), HasSubstr("1F56H:01 reads 00000011H, expected 00000022H. Set bit 6"));
+  EXPECT_THAT(words(), HasSubstr("1F56:01 reads 00000011H, expected 00000022H. Set bit 6"));
 }
 
 TEST_F(ProgramDownload, SlaveThatIsToBeKeptAlive_EndsWithH) {
@@ -155,7 +166,7 @@ TEST_F(ProgramDownload, StateCannotBeRead_EndsWithI) {
   run_for(1s);
   EXPECT_EQ(letter(record().error), 'I');
   EXPECT_EQ(record().failed_step, BootStep::program_state);
-  EXPECT_THAT(words(), HasSubstr("1F51H:01: abort 06020000H"));
+  EXPECT_THAT(words(), HasSubstr("1F51:01: abort 06020000H"));
 }
 
 TEST_F(ProgramDownload, CommandRefused_EndsWithI) {
@@ -170,7 +181,7 @@ TEST_F(ProgramDownload, CommandRefused_EndsWithI) {
     run_for(2s);
     EXPECT_EQ(letter(record().error), 'I');
     EXPECT_EQ(record().failed_step, step);
-    EXPECT_THAT(words(), HasSubstr("1F51H:01: abort 08000022H"));
+    EXPECT_THAT(words(), HasSubstr("1F51:01: abort 08000022H"));
     node.power_off();
     master.stop(now);
   }
@@ -221,7 +232,7 @@ TEST_F(ProgramDownload, ClearNeverAnswered_EndsWithI) {
   run_until_ms(20309);
   EXPECT_EQ(letter(record().error), 'I');
   EXPECT_EQ(record().failed_step, BootStep::program_clear);
-  EXPECT_THAT(words(), HasSubstr("1F51H:01: no answer"));
+  EXPECT_THAT(words(), HasSubstr("1F51:01: no answer"));
 }
 
 TEST_F(ProgramDownload, DownloadAborted_EndsWithI) {
@@ -231,7 +242,7 @@ TEST_F(ProgramDownload, DownloadAborted_EndsWithI) {
   EXPECT_EQ(letter(record().error), 'I');
   EXPECT_EQ(record().failed_step, BootStep::program_download);
   EXPECT_EQ(record().abort_code, AbortCode::hardware_error);
-  EXPECT_THAT(words(), HasSubstr("1F50H:01: abort 06060000H"));
+  EXPECT_THAT(words(), HasSubstr("1F50:01: abort 06060000H"));
 }
 
 TEST_F(ProgramDownload, FlashStatus_SaysWhatIsWrong) {
@@ -239,7 +250,7 @@ TEST_F(ProgramDownload, FlashStatus_SaysWhatIsWrong) {
   switch_on();
   run_for(2s);
   EXPECT_EQ(letter(record().error), 'I');
-  EXPECT_THAT(words(), HasSubstr("1F57H:01 reads 00000006H: the program is damaged (format or CRC)"));
+  EXPECT_THAT(words(), HasSubstr("1F57:01 reads 00000006H: the program is damaged (format or CRC)"));
 }
 
 TEST_F(ProgramDownload, FlashMemoryBusyTooLong_EndsWithI) {
@@ -273,7 +284,7 @@ TEST_F(ProgramDownload, AnotherVersionAfterTheDownload_EndsWithI) {
   run_for(2s);
   EXPECT_EQ(letter(record().error), 'I');
   EXPECT_EQ(record().failed_step, BootStep::program_verify);
-  EXPECT_THAT(words(), HasSubstr("1F56H:01 reads 00000033H, expected 00000022H"));
+  EXPECT_THAT(words(), HasSubstr("1F56:01 reads 00000033H, expected 00000022H"));
 }
 
 TEST_F(ProgramDownload, ProgramDoesNotStart_EndsWithI) {

@@ -98,7 +98,7 @@ TEST_F(ShownState, CommandedState_IsShownWithoutErrorControl) {
 TEST_F(ShownState, CommandToAll_SaysNothingOfNodesThatWereNeverSeen) {
   object(0x1F80, 0, 0x01);
   switch_on();
-  hear(can::data_frame(0x709, {0x00}));
+  receive(can::data_frame(0x709, {0x00}));
   write(0x1F82, 0x80, 0x85, 1);
   EXPECT_EQ(read(0x1F82, 9), 5U);
   EXPECT_EQ(read(0x1F82, 10), 0U);
@@ -133,12 +133,12 @@ TEST_F(ShownState, SlaveStoppedByRequest_IsNotStartedAgainAfterItsNextBootUp) {
   run_until_ms(1000);
   write(0x1F82, 2, 0x04, 1);
   sent();
-  hear(can::data_frame(0x702, {0x00}));
+  receive(can::data_frame(0x702, {0x00}));
   run_for(5s);
   EXPECT_THAT(commands(), IsEmpty());
   write(0x1F82, 2, 0x05, 1);
   sent();
-  hear(can::data_frame(0x702, {0x00}));
+  receive(can::data_frame(0x702, {0x00}));
   run_for(5s);
   EXPECT_THAT(commands(), ElementsAre("6001 000 01 02"));
 }
@@ -164,10 +164,10 @@ TEST_F(ShownState, MasterIgnoresForeignFrames) {
   switch_on();
   run_for(1s);
   sent();
-  hear(can::Frame{.identifier = 0x702, .extended = true, .dlc = 1});
-  hear(can::remote_frame(0x702, 1));
-  hear(can::data_frame(0x702, {0x05, 0x05}));
-  hear(can::data_frame(0x582, {0x43, 0x00, 0x10, 0x00, 0, 0, 0, 0}));
+  receive(can::Frame{.identifier = 0x702, .extended = true, .dlc = 1});
+  receive(can::remote_frame(0x702, 1));
+  receive(can::data_frame(0x702, {0x05, 0x05}));
+  receive(can::data_frame(0x582, {0x43, 0x00, 0x10, 0x00, 0, 0, 0, 0}));
   run_for(5s);
   EXPECT_THAT(sent(), IsEmpty());
   EXPECT_EQ(master.node_state(2), 5);

@@ -38,12 +38,14 @@ class ScriptedSlave {
   std::map<Key, std::vector<std::uint8_t>> objects;
   std::map<Key, std::uint32_t> aborts;
   std::map<Key, int> silences;                        // so many requests are not answered
+  bool indicates_size = true;                         // else the bytes behind a value are no zeros
+  std::map<Key, std::size_t> lengths;                 // of an answer, which is shorter than 8 bytes
   bool knows_blocks = true;                           // SDO block download
   std::function<std::uint32_t(const Key&)> on_write;  // after a value was stored; returns an abort code or 0
   std::function<void(const Key&)> on_read;            // before a value is read
   std::vector<std::pair<Key, std::vector<std::uint8_t>>> written;
 
-  void hear(const can::Frame& frame) {
+  void receive(const can::Frame& frame) {
     if (!present) return;
     if (frame.identifier == 0x000 && (frame.data[1] == id || frame.data[1] == 0)) nmt(frame.data[0]);
     if (frame.identifier == 0x700U + id && frame.remote && answers_guarding) {
@@ -104,9 +106,14 @@ class ScriptedSlave {
         return answer({0x41, d[1], d[2], d[3], static_cast<std::uint8_t>(value.size())});
       }
       const auto unused = static_cast<std::uint8_t>(4 - value.size());
-      value.resize(4);
-      answer({static_cast<std::uint8_t>(0x43 | unused << 2), d[1], d[2], d[3], value[0], value[1], value[2],
-              value[3]});
+      value.resize(4, indicates_size ? 0 : 0xAA);
+      const auto first = static_cast<std::uint8_t>(indicates_size ? 0x43 | unused << 2 : 0x42);
+      if (lengths.contains(key)) {
+        std::vector<std::uint8_t> whole{first, d[1], d[2], d[3], value[0], value[1], value[2], value[3]};
+        whole.resize(lengths[key]);
+        return send_(can::data_frame(0x580U + id, whole), answer_delay);
+      }
+      answer({first, d[1], d[2], d[3], value[0], value[1], value[2], value[3]});
     } else if (command == 1) {  // download
       key_ = key;
       if (aborts.contains(key)) return abort(key, aborts[key]);

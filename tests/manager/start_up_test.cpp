@@ -120,7 +120,7 @@ TEST_F(StartUp, BootUpMessageDuringThePause_AsksAtOnce) {
   run_until_ms(1800);
   sent();
   device.present = true;
-  hear(can::data_frame(0x702, {0x00}));
+  receive(can::data_frame(0x702, {0x00}));
   run_for(1s);
   EXPECT_THAT(sent(), ElementsAre("1800 602 40 00 10 00 00 00 00 00", "1801 000 01 02"));
 }
@@ -132,7 +132,7 @@ TEST_F(StartUp, BootUpMessageWhile1000hIsAsked_AsksAgainRightAfterTheTimeOut) {
   switch_on();
   run_until_ms(1200);
   device.present = true;
-  hear(can::data_frame(0x702, {0x00}));
+  receive(can::data_frame(0x702, {0x00}));
   run_for(2s);
   EXPECT_THAT(only(sent(), " 602 40"),
               ElementsAre("1000 602 40 00 10 00 00 00 00 00", "1500 602 40 00 10 00 00 00 00 00"));
@@ -147,6 +147,7 @@ TEST_F(StartUp, AbortOf1000h_CountsAsNoAnswer) {
   EXPECT_EQ(master.boot_record(2).error, BootError::no_answer);
   EXPECT_EQ(master.boot_record(2).abort_code, AbortCode::device_state);
   EXPECT_EQ(master.boot_record(2).step, BootStep::presence_pause);
+  EXPECT_EQ(describe(master.boot_record(2)), "no answer to 1000H, waiting to ask again (asked once)");
 }
 
 TEST_F(StartUp, BootTimeElapsed_MandatorySlaveMissing_HaltsForGood) {
@@ -167,7 +168,7 @@ TEST_F(StartUp, BootTimeElapsed_MandatorySlaveMissing_HaltsForGood) {
   EXPECT_THAT(events, ElementsAre("active", "starting", "failed 2 B", "started", "halted by 2 B"));
   sent();
   device.present = true;
-  hear(can::data_frame(0x702, {0x00}));
+  receive(can::data_frame(0x702, {0x00}));
   run_for(60s);
   EXPECT_THAT(sent(), IsEmpty());
   EXPECT_EQ(node.state(), NmtState::pre_operational);
@@ -276,7 +277,7 @@ TEST_F(StartUp, StartAll_WithAnOptionalSlaveMissing_StartsTheOthersSingly) {
   run_until_ms(5000);
   EXPECT_THAT(commands(), ElementsAre("0 000 82 00", "500 000 01 02", "500 000 01 04"));
   late.present = true;
-  hear(can::data_frame(0x703, {0x00}));
+  receive(can::data_frame(0x703, {0x00}));
   run_for(1s);
   EXPECT_THAT(commands(), ElementsAre("5001 000 01 03"));
 }

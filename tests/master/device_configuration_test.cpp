@@ -42,6 +42,7 @@ std::shared_ptr<const eds::DeviceFile> dcf(
 class Device final : public ObjectAccess {
  public:
   std::map<std::pair<unsigned, unsigned>, Bytes> values;
+  std::map<std::pair<unsigned, unsigned>, canopen::DataType> types;  // as which they were read
   std::set<std::pair<unsigned, unsigned>> refused;
   std::size_t answers = 1000;  // the supply fails after so many
   std::string log;
@@ -49,7 +50,8 @@ class Device final : public ObjectAccess {
   void set(unsigned index, unsigned sub, std::uint64_t value, unsigned length) {
     values[{index, sub}] = can::little_endian(value, length);
   }
-  std::expected<Bytes, Failure> read(text::ObjectName object) override {
+  std::expected<Bytes, Failure> read(text::ObjectName object, canopen::DataType type) override {
+    types[{object.index, object.sub}] = type;
     if (answers == 0) return std::unexpected(Failure{false, "no answer"});
     --answers;
     if (const auto found = values.find({object.index, object.sub}); found != values.end())
@@ -110,6 +112,18 @@ TEST(DeviceConfiguration, WhatTheDcfConfigures_IsCompared) {
             "1016:01 30300 different 0\n"
             "1017:00 1F4 same 1F4\n"
             "6081:00 7D0 different 5DC\n");
+}
+
+TEST(DeviceConfiguration, EveryValue_IsReadByItsType) {
+  const auto file = dcf({{{0x1017, 0}, "500"}, {{0x1016, 1}, "0x00030300"}, {{0x6060, 0}, "1"}});
+  Device device;
+  (void)compare_configuration(*file, 5, device, {});
+  (void)compare_identity(*file, device);
+  using enum canopen::DataType;
+  EXPECT_EQ(device.types.at({0x1017, 0}), unsigned16);
+  EXPECT_EQ(device.types.at({0x1016, 1}), unsigned32);
+  EXPECT_EQ(device.types.at({0x6060, 0}), integer8);
+  EXPECT_EQ(device.types.at({0x1018, 2}), unsigned32);
 }
 
 TEST(DeviceConfiguration, WhatCannotBeRead_IsSaid_AndSilenceEndsIt) {

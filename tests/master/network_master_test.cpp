@@ -211,7 +211,7 @@ class ProgrammableSlave final : public can::Participant {
 
   void receive(const can::Frame& frame, can::Time now) override {
     now_ = now;
-    script.hear(frame);
+    script.receive(frame);
   }
   void tick(can::Time now) override {
     now_ = now;

@@ -7,16 +7,12 @@
 
 namespace canopus::canopen {
 
-/// "6000:01": in commands, tables and JSON. What text::parse_object() reads.
+/// "6000:01": a sub-index, in commands, files, messages and JSON. What text::parse_object() reads.
 [[nodiscard]] inline std::string object_text(unsigned index, unsigned sub) {
   return ascii::hex(index, 4) + ':' + ascii::hex(sub, 2);
 }
 
-/// "6000H": in sentences, where numbers are decimal if nothing else is said.
+/// "6000H": an object as a whole, in sentences.
 [[nodiscard]] inline std::string object_name(unsigned index) { return ascii::hex(index, 4) + 'H'; }
-/// "6000H:01".
-[[nodiscard]] inline std::string object_name(unsigned index, unsigned sub) {
-  return object_name(index) + ':' + ascii::hex(sub, 2);
-}
 
 }  // namespace canopus::canopen

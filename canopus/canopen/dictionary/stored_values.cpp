@@ -1,6 +1,7 @@
 #include "canopus/canopen/dictionary/stored_values.hpp"
 
 #include "canopus/can/little_endian.hpp"
+#include "canopus/canopen/dictionary/object_dictionary.hpp"
 
 namespace canopus::canopen {
 

@@ -9,7 +9,7 @@
 // services (error_began(), error_ended(), whose messages wait for the end of the inhibit time; bit 4 of 1001H
 // stands for them and falls when the last of them has ended).
 //
-// Checks: 1003H:00 other than 0 06090030H, other sub-indexes 06010002H, reading an empty one 08000024H;
+// Checks: 1003:00 other than 0 06090030H, other sub-indexes 06010002H, reading an empty one 08000024H;
 // 1014H: COB-ID rules.
 
 #include <array>

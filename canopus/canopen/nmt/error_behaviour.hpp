@@ -1,5 +1,5 @@
 #pragma once
-// Error behaviour [CiA 301 7.5.2.32]: 1029H:01 says what a communication error (bus-off, heartbeat event,
+// Error behaviour [CiA 301 7.5.2.32]: 1029:01 says what a communication error (bus-off, heartbeat event,
 // life guarding event) does to the NMT state: 00H Operational becomes Pre-operational (also when there is no
 // 1029H), 01H nothing, 02H Stopped. Other values are refused with 06090030H.
 

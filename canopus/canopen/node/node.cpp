@@ -30,7 +30,7 @@ void Node::Services::detach(const ObjectHandler& handler) noexcept {
   for (const auto& [first, last, remaining] : registered->list) dictionary.attach(first, last, *remaining);
 }
 
-void Node::Services::take_over(const Services& other) {
+void Node::Services::copy_state(const Services& other) {
   if (other.registered) {
     for (const auto& [first, last, handler] : other.registered->list) attach(first, last, *handler);
   }
@@ -244,7 +244,7 @@ void Node::rebuild(std::shared_ptr<const DictionaryDescription> description, can
   assert(!services_->powered);
   auto services = std::make_unique<Services>(std::move(description), services_->next_node_id, sink, filter_,
                                              alarm(), options);
-  services->take_over(*services_);
+  services->copy_state(*services_);
   // Nothing throws from here on.
   filter_.pass_all();
   alarm().cancel();

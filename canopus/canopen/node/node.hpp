@@ -67,7 +67,7 @@ class Node final : public can::Participant {
 
   /// Obeys an NMT command as if it had come from the bus, addressed to this node.
   void command(NmtCommand command, can::Time now);
-  /// A communication error of the application's own finding: 1029H:01 decides (only bus-off and the like;
+  /// A communication error of the application's own finding: 1029:01 decides (only bus-off and the like;
   /// heartbeat and life guarding events are seen to by the node unless it is the active NMT master).
   void communication_error(can::Time now);
   /// The active NMT master ignores broadcast NMT frames, produces SYNC and TIME if configured, and does not

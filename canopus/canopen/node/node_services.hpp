@@ -35,7 +35,7 @@ struct Node::Services final : NodeContext, WriteObserver {
   void attach(std::uint16_t first, std::uint16_t last, ObjectHandler& handler);
   void detach(const ObjectHandler& handler) noexcept;
   /// What the application has registered with `other` is registered here, too.
-  void take_over(const Services& other);
+  void copy_state(const Services& other);
 
   void error_began(const CommunicationError& error, can::Time now) override {
     emcy_producer.error_began(error, now);

@@ -52,7 +52,7 @@ bool StoredParameters::is_stored(const Entry& entry) const noexcept {
 
 StoredParameters::Image StoredParameters::load() { return store_ != nullptr ? store_->load() : own_image_; }
 
-AbortCode StoredParameters::keep(Image image) {
+AbortCode StoredParameters::store(Image image) {
   if (store_ != nullptr) return store_->save(image);
   own_image_ = std::move(image);
   return AbortCode::none;
@@ -93,11 +93,11 @@ AbortCode StoredParameters::save(std::uint8_t group) {
     all_fit = all_fit && value.size() <= longest_stored_value(form);
     if (all_fit) append_stored_value(image, form, entry.index, entry.sub, value);
   });
-  return all_fit ? keep(std::move(image)) : AbortCode::cannot_store;
+  return all_fit ? store(std::move(image)) : AbortCode::cannot_store;
 }
 
 AbortCode StoredParameters::restore(std::uint8_t group) {
-  const AbortCode code = keep(load_others(group));
+  const AbortCode code = store(load_others(group));
   if (code == AbortCode::none) restore_pending_ = true;
   return code;
 }

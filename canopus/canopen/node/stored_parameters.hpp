@@ -28,11 +28,11 @@ class StoredParameters final : public ObjectHandler {
   [[nodiscard]] ParameterStore* store() const noexcept { return store_; }
   /// Puts the stored values of first..last into the dictionary.
   void apply(std::uint16_t first, std::uint16_t last);
-  /// 1010H:01 says "autonomously".
+  /// 1010:01 says "autonomously".
   [[nodiscard]] bool saves_at_once() const noexcept {
     return has_save_all_ && (node_.dictionary.block()[save_all_] & autonomously) != 0;
   }
-  /// A value was written: saves it if 1010H:01 says so.
+  /// A value was written: saves it if 1010:01 says so.
   void object_written(const Entry& entry) {
     if (saves_at_once()) save_written(entry);
   }
@@ -46,7 +46,7 @@ class StoredParameters final : public ObjectHandler {
   using Image = std::vector<std::uint8_t>;
   [[nodiscard]] Image load();
   [[nodiscard]] Image load_others(std::uint8_t group);
-  AbortCode keep(Image image);
+  AbortCode store(Image image);
   AbortCode save(std::uint8_t group);
   AbortCode restore(std::uint8_t group);
   void save_written(const Entry& entry);
@@ -55,7 +55,7 @@ class StoredParameters final : public ObjectHandler {
   NodeContext& node_;
   ParameterStore* store_ = nullptr;
   Image own_image_;
-  std::uint32_t save_all_ = 0;  // where 1010H:01H lies in the value block
+  std::uint32_t save_all_ = 0;  // where 1010:01 lies in the value block
   std::uint32_t value_before_ = 0;
   bool marks_entries_ = false;  // the dictionary says what is stored
   bool restore_pending_ = false;

@@ -23,6 +23,7 @@ SdoChannels::SdoChannels(NodeContext& node)
 void SdoChannels::configure(SdoServer& server) const {
   server.set_time_out(node_.options.sdo_server_time_out);
   server.set_maximum_size(node_.options.sdo_maximum_download);
+  server.set_accepts_short_requests(node_.options.accepts_short_sdo_requests);
 }
 
 void SdoChannels::read(Server& server) const {

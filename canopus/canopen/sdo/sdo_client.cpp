@@ -31,7 +31,7 @@ inline bool SdoClient::start(State state, const can::Frame& request, SdoClientLi
   state_ = state;
   toggle_ = 0;
   all_sent_ = false;
-  gave_up_ = false;
+  end_ = End::by_server;
   abort_code_ = AbortCode::none;
   listener_ = &listener;
   multiplexer_ = sdo::multiplexer(request);
@@ -130,7 +130,7 @@ void SdoClient::finish(AbortCode code, can::Time now) {
 
 void SdoClient::give_up(AbortCode code, can::Time now) {
   sink_->send(sdo::abort_frame(request_, multiplexer_, code));
-  gave_up_ = true;
+  end_ = End::gave_up;
   finish(code, now);
 }
 
@@ -151,6 +151,22 @@ void SdoClient::process(const can::Frame& frame, can::Time now) {
     case State::download_segment: return segment_downloaded(frame, now);
     default: return receive_in_block(frame, now);
   }
+}
+
+// Bytes that are missing are no zeros: what the answer says cannot be known.
+[[gnu::noinline]] void SdoClient::receive_short(const can::Frame& frame, can::Time now) {
+  if (state_ == State::idle) return;
+  const bool is_first_answer = state_ == State::initiate_upload || state_ == State::initiate_download ||
+                               state_ == State::initiate_block_upload ||
+                               state_ == State::initiate_block_download;
+  const bool is_abort = frame.dlc != 0 && frame.data[0] == 0x80;
+  constexpr std::uint8_t command_and_object = 4;
+  if (is_first_answer && !is_abort && frame.dlc >= command_and_object && !is_about_this_object(frame))
+    return;  // late, or of another client
+  if (!is_abort) sink_->send(sdo::abort_frame(request_, multiplexer_, AbortCode::length_too_low));
+  short_answer_ = frame;
+  end_ = End::short_answer;
+  finish(AbortCode::length_too_low, now);
 }
 
 /// Not the answer that is due: an abort, or a mistake of the server.
@@ -178,6 +194,7 @@ void SdoClient::upload_initiated(const can::Frame& frame, can::Time now) {
 }
 
 inline void SdoClient::object_uploaded(const can::Frame& frame, can::Time now) {
+  is_size_indicated_ = (frame.data[0] & sdo::expedited_bit) == 0 || (frame.data[0] & sdo::size_bit) != 0;
   if ((frame.data[0] & sdo::expedited_bit) == 0) return long_upload_initiated(frame, now);
   constexpr std::size_t most_expedited = 4;
   if (into_ != nullptr || maximum_size_ < most_expedited) return receive_expedited(frame, now);

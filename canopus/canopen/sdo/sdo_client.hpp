@@ -86,7 +86,14 @@ class SdoClient {
   // The last transfer, from sdo_finished() on until the next one starts.
   [[nodiscard]] AbortCode abort_code() const noexcept { return abort_code_; }  ///< none = success
   /// The code is this client's own finding, a time-out for one, not the server's abort.
-  [[nodiscard]] bool gave_up() const noexcept { return gave_up_; }
+  [[nodiscard]] bool gave_up() const noexcept { return end_ != End::by_server; }
+  /// The answer that ended the transfer because it has fewer than 8 bytes [CiA 301 7.2.4.3]; nullptr: another end. The code is
+  /// 06070013H then, which the server gets, too, unless the answer was its abort.
+  [[nodiscard]] const can::Frame* short_answer() const noexcept {
+    return end_ == End::short_answer ? &short_answer_ : nullptr;
+  }
+  /// False: the value came expedited without its number of bytes, and data() has all four (uploaded_value.hpp).
+  [[nodiscard]] bool is_size_indicated() const noexcept { return is_size_indicated_; }
   [[nodiscard]] std::span<const std::uint8_t> data() const noexcept {
     return collector_.bytes();
   }  ///< of an upload
@@ -100,7 +107,11 @@ class SdoClient {
   /// True when the frame was an answer on this channel (whether or not it was of use).
   bool receive(const can::Frame& frame, can::Time now) {
     if (head_without_dlc(frame) != response_) return false;
-    if (frame.dlc != 0) process(frame, now);
+    if (frame.dlc >= 8) [[likely]] {
+      process(frame, now);
+    } else {
+      receive_short(frame, now);
+    }
     return true;
   }
   void tick(can::Time now);
@@ -122,7 +133,10 @@ class SdoClient {
     block_download_end,  // C1H is out, A1H is to come
   };
 
+  enum class End : std::uint8_t { by_server, gave_up, short_answer };
+
   void process(const can::Frame& frame, can::Time now);
+  void receive_short(const can::Frame& frame, can::Time now);
   bool start(State state, const can::Frame& request, SdoClientListener& listener, can::Time now,
              can::Duration time_out);
   bool start_download(State state, std::uint16_t index, std::uint8_t sub, std::optional<std::uint32_t> size,
@@ -171,11 +185,12 @@ class SdoClient {
   std::uint8_t server_ = 0;
   std::uint8_t switch_threshold_ = 4;
   bool expedited_ = false;  // of a download
+  bool is_size_indicated_ = true;
   // What a transfer begins with is one word, and one store.
   alignas(8) State state_ = State::idle;
   std::uint8_t toggle_ = 0;  // the toggle bit that is due
   bool all_sent_ = false;    // of a segmented download
-  bool gave_up_ = false;
+  End end_ = End::by_server;
   AbortCode abort_code_ = AbortCode::none;
   std::size_t maximum_size_ = default_maximum_size;
   ByteSink* into_ = nullptr;
@@ -186,6 +201,7 @@ class SdoClient {
   can::Duration time_out_ = default_time_out;
   can::Time last_heard_{};
   can::Alarm alarm_;
+  can::Frame short_answer_{};
 };
 
 }  // namespace canopus::canopen

@@ -54,6 +54,7 @@ void SdoClient::block_upload_initiated(const can::Frame& frame, can::Time now) {
   std::optional<std::size_t> announced;
   if ((frame.data[0] & 2U) != 0) announced = sdo::value(frame);
   if (announced && *announced > maximum_size_) return refuse(buffer_too_small, now);
+  is_size_indicated_ = true;
   const bool with_crc = (frame.data[0] & sdo::crc_bit) != 0;
   collector_.begin(into_, maximum_size_, buffer_too_small, announced, sdo::segment_size);
   collector_.count_crc(with_crc);

@@ -67,7 +67,7 @@ void SdoServer::abort(AbortCode code) { abort(multiplexer_, code); }
 
 // What belongs to a transfer that runs well comes first.
 void SdoServer::receive(const can::Frame& frame, can::Time now) {
-  if (frame.dlc != 8) return;
+  if (frame.dlc != 8) return receive_short(frame, now);
   const auto command = static_cast<ClientCommand>(frame.data[0] >> 5);
   if (state_ == State::idle) {
     if (command == ClientCommand::initiate_upload) return initiate_upload(frame, now);
@@ -89,6 +89,34 @@ void SdoServer::receive(const can::Frame& frame, can::Time now) {
     default: break;
   }
   receive_other(frame, now);
+}
+
+void SdoServer::receive_short(const can::Frame& frame, can::Time now) {
+  if (!accepts_short_requests_ || frame.dlc == 0 || frame.dlc > 8 || frame.dlc < needed_bytes(frame)) return;
+  can::Frame filled_up = frame;
+  std::fill(filled_up.data.begin() + frame.dlc, filled_up.data.end(), std::uint8_t{0});
+  filled_up.dlc = 8;
+  receive(filled_up, now);
+}
+
+/// Bytes of a request that mean something; those after them are 0 or do not count.
+std::size_t SdoServer::needed_bytes(const can::Frame& request) const noexcept {
+  constexpr std::size_t all = 8;
+  constexpr std::size_t command = 1;
+  constexpr std::size_t command_and_object = 4;
+  if (state_ == State::block_download && request.data[0] != 0x80) return all;  // a segment
+  const unsigned first = request.data[0];
+  switch (static_cast<ClientCommand>(first >> 5)) {
+    case ClientCommand::download_segment: return command + sdo::segment_length(request);
+    case ClientCommand::initiate_download:
+      if ((first & sdo::size_bit) == 0) return (first & sdo::expedited_bit) != 0 ? all : command_and_object;
+      return (first & sdo::expedited_bit) != 0 ? command_and_object + sdo::expedited_data(request).size()
+                                               : all;
+    case ClientCommand::initiate_upload: return command_and_object;
+    case ClientCommand::upload_segment: return command;
+    case ClientCommand::abort: return command;
+    default: return all;
+  }
 }
 
 void SdoServer::receive_other(const can::Frame& frame, can::Time now) {

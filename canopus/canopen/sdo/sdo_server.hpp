@@ -46,6 +46,10 @@ class SdoServer {
   /// Segments asked for in each sub-block of a block download, 1..127.
   void set_block_size(std::uint8_t segments) noexcept { own_block_size_ = segments; }
 
+  /// Whether requests of fewer than 8 bytes count, which CiA 301 does not allow: those that have the bytes that their command
+  /// needs. At first they are ignored.
+  void set_accepts_short_requests(bool accepts) noexcept { accepts_short_requests_ = accepts; }
+
   /// A frame with the request identifier came.
   void receive(const can::Frame& frame, can::Time now);
   /// Its timer has ended: looks whether the client is silent, which may be too early.
@@ -67,6 +71,8 @@ class SdoServer {
     block_upload_end,    // C1H is out, A1H is to come
   };
 
+  [[gnu::noinline]] void receive_short(const can::Frame& frame, can::Time now);
+  [[nodiscard]] std::size_t needed_bytes(const can::Frame& request) const noexcept;
   [[gnu::noinline]] void receive_other(const can::Frame& frame, can::Time now);
   void receive_in_block(const can::Frame& frame, can::Time now);
   void download_expedited(const can::Frame& frame, can::Time now);
@@ -111,6 +117,7 @@ class SdoServer {
   State state_ = State::idle;
   std::uint8_t toggle_ = 0;  // the toggle bit that is due
   std::uint8_t own_block_size_ = 127;
+  bool accepts_short_requests_ = false;
   TimerQueue::Number timer_;
   can::Time last_heard_{};
   SegmentCollector collector_;

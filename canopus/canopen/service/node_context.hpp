@@ -40,7 +40,7 @@ class alignas(64) NodeContext {
   virtual void error_began(const CommunicationError& error, can::Time now) = 0;
   /// One that had begun is over: when it was the last one, 1001H and an EMCY message with code 0000H.
   virtual void error_ended(const CommunicationError& error, can::Time now) = 0;
-  /// 1029H:01 decides about the NMT state.
+  /// 1029:01 decides about the NMT state.
   virtual void communication_error(can::Time now) = 0;
 
   /// Pre-operational or Operational: everything but PDOs may go.

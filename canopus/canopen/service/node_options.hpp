@@ -61,7 +61,7 @@ struct NodeOptions {
   can::Duration sync_period_resolution = std::chrono::microseconds(1);
 
   // --- EMCY
-  /// Writing 0 to 1003H:00 clears 1001H, too [ME3CAN1-Q 4.6.3].
+  /// Writing 0 to 1003:00 clears 1001H, too [ME3CAN1-Q 4.6.3].
   bool history_clears_error_register = false;
   /// Errors count as there until 1003H is emptied: that clears 1001H, too, and sends code 0000H [RJ71CN91 1.7]. Else code
   /// 0000H is sent when what caused them is over.
@@ -84,7 +84,7 @@ struct NodeOptions {
   /// A dictionary without 1014H sends EMCY with the pre-defined COB-ID, one without 1028H receives those of all nodes [CiA
   /// DS-301 V3; FX2N-32CAN 5.3.2].
   bool predefined_emergency = false;
-  /// What 1029H:01 counts as where it is missing [CiA 301 7.5.2.32].
+  /// What 1029:01 counts as where it is missing [CiA 301 7.5.2.32].
   std::uint8_t error_behaviour = 0;
 
   // --- Stored parameters
@@ -99,6 +99,9 @@ struct NodeOptions {
   can::Duration sdo_server_time_out = std::chrono::seconds(1);
   /// Longest value of variable length that a download may bring, in bytes; more: 05040005H.
   std::size_t sdo_maximum_download = 1U << 20;
+  /// SDO requests with a DLC below 8 count if they have the bytes that their command needs, as many devices in the field have
+  /// it; else they are ignored [CiA 301 7.2.4.3: 8 bytes].
+  bool accepts_short_sdo_requests = false;
 };
 
 }  // namespace canopus::canopen

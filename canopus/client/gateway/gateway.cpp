@@ -31,19 +31,19 @@ struct Gateway::Channel final : canopen::SdoClientListener {
           next.value ? client.download(next.index, next.sub, *next.value, *this, now, next.time_out, mode)
                      : client.upload(next.index, next.sub, *this, now, next.time_out, mode);
       if (started) return;
-      finish(AbortCode::general, {}, now);
+      finish({.code = AbortCode::general}, now);
     }
   }
   void sdo_finished(canopen::SdoClient&, can::Time now) override {
     const std::vector<std::uint8_t> bytes(client.data().begin(), client.data().end());
-    finish(client.abort_code(), bytes, now);
+    finish({client.abort_code(), bytes, client.is_size_indicated(), client.short_answer()}, now);
     start(now);
   }
-  void finish(AbortCode code, std::span<const std::uint8_t> bytes, can::Time now) {
+  void finish(const Answer& answer, can::Time now) {
     if (jobs.empty()) return;
     const Job job = std::move(jobs.front());
     jobs.pop_front();
-    if (job.transfer.done) job.transfer.done(code, bytes, now);
+    if (job.transfer.done) job.transfer.done(answer, now);
   }
 
   canopen::SdoClient client;
@@ -164,7 +164,7 @@ void Gateway::watched(unsigned node, std::uint8_t state, can::Time now) {
   if (commanded_[node] != 0 && before == commanded_[node]) node_event(node, GatewayError::wrong_state);
 }
 
-void Gateway::look_at(unsigned node, can::Time now) {
+void Gateway::check_node(unsigned node, can::Time now) {
   Watch& watch = watches_[node];
   if (watch.factor == 0) {
     watch.deadline = can::never;
@@ -226,7 +226,7 @@ void Gateway::reset(can::Time now) {
   }
   if (node_id_ != 0) (void)bus_.send(can::data_frame(canopen::cob_id::error_control + node_id_, {0}));
   for (const Channel::Job& job : ended) {
-    if (job.transfer.done) job.transfer.done(AbortCode::local_control, {}, now);
+    if (job.transfer.done) job.transfer.done({.code = AbortCode::local_control}, now);
   }
   lss_.clear(now);
 }
@@ -259,7 +259,7 @@ void Gateway::tick(can::Time now) {
   for (const auto& [node, watch] : watches_) {
     if (watch.deadline <= now) due.push_back(node);
   }
-  for (const unsigned node : due) look_at(node, now);
+  for (const unsigned node : due) check_node(node, now);
   if (next_heartbeat_ <= now) {
     next_heartbeat_ = now + heartbeat_;
     const auto state = static_cast<std::uint8_t>(NmtState::operational);

@@ -48,8 +48,13 @@ class Gateway final : public can::Participant, private GatewayPdoListener {
   void remove(GatewayListener& listener) { std::erase(listeners_, &listener); }
 
   // SDO. Transfers with one node wait for each other.
-  using Done =
-      std::function<void(canopen::AbortCode code, std::span<const std::uint8_t> bytes, can::Time now)>;
+  struct Answer {
+    canopen::AbortCode code = canopen::AbortCode::none;
+    std::span<const std::uint8_t> bytes{};     ///< what was read
+    bool size_indicated = true;                ///< false: all four bytes of an expedited answer
+    const can::Frame* short_answer = nullptr;  ///< one of fewer than 8 bytes: the reason for `code`
+  };
+  using Done = std::function<void(const Answer& answer, can::Time now)>;
   struct Transfer {
     std::uint8_t node = 0;  ///< 1..127
     std::uint16_t index = 0;
@@ -123,7 +128,7 @@ class Gateway final : public can::Participant, private GatewayPdoListener {
   void node_event(unsigned node, GatewayError error);
   void error_control(unsigned node, const can::Frame& frame, can::Time now);
   void watched(unsigned node, std::uint8_t state, can::Time now);
-  void look_at(unsigned node, can::Time now);
+  void check_node(unsigned node, can::Time now);
   /// Sets next_watch_ to the earliest deadline of the watches.
   void set_watch_alarm();
 

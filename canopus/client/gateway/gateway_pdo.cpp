@@ -149,7 +149,7 @@ void GatewayPdos::set_alarm() {
 
 // --- receiving
 
-void GatewayPdos::take(unsigned number, GatewayPdo& pdo, const can::Frame& frame, can::Time now) {
+void GatewayPdos::store(unsigned number, GatewayPdo& pdo, const can::Frame& frame, can::Time now) {
   std::uint64_t word = 0;
   for (std::size_t i = 0; i < frame.length(); ++i) word |= std::uint64_t{frame.data[i]} << (8 * i);
   std::vector<std::uint64_t> values;
@@ -197,7 +197,7 @@ void GatewayPdos::receive(const can::Frame& frame, can::Time now) {
   // An identifier is of one PDO at most.
   const auto found =
       std::ranges::find_if(rpdos_, [&](const auto& entry) { return is_of(entry.second, frame); });
-  if (found != rpdos_.end()) take(found->first, found->second, frame, now);
+  if (found != rpdos_.end()) store(found->first, found->second, frame, now);
 }
 
 }  // namespace canopus::client

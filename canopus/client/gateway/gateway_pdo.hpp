@@ -90,7 +90,7 @@ class GatewayPdos final : public can::Participant {
 
   GatewayError set(Pdos& pdos, unsigned number, GatewayPdo pdo);
   bool send(GatewayPdo& pdo, can::Time now);
-  void take(unsigned number, GatewayPdo& pdo, const can::Frame& frame, can::Time now);
+  void store(unsigned number, GatewayPdo& pdo, const can::Frame& frame, can::Time now);
   void sync(const can::Frame& frame, can::Time now);
 
   can::Sink& bus_;

@@ -40,11 +40,11 @@ class GatewayServer::Client final : public link::TcpClient<Client>, private Gate
                               if (failure) return self->end();
                               self->session_->receive({self->input_.data(), size}, self->server_.clock_());
                               // It may have ended what others waited for.
-                              if (!self->is_closed()) self->server_.go_on();
+                              if (!self->is_closed()) self->server_.read_next();
                             });
   }
   /// After anything that may have ended a command.
-  void go_on() {
+  void read_next() {
     if (is_closed()) return;
     if (too_slow_) {
       report("takes nothing; its connection ends");
@@ -56,7 +56,7 @@ class GatewayServer::Client final : public link::TcpClient<Client>, private Gate
   void tick(can::Time now) {
     if (is_closed()) return;
     session_->tick(now);
-    go_on();
+    read_next();
   }
   void close() {
     if (session_) session_->end(server_.clock_());
@@ -65,7 +65,7 @@ class GatewayServer::Client final : public link::TcpClient<Client>, private Gate
   }
 
  private:
-  void say(std::string_view line) override {
+  void send_line(std::string_view line) override {
     if (too_slow_ || is_closed()) return;
     if (waiting_.size() + line.size() > server_.options_.most_waiting) {
       too_slow_ = true;
@@ -85,9 +85,9 @@ class GatewayServer::Client final : public link::TcpClient<Client>, private Gate
                         if (self->is_closed()) return;
                         if (failure) return self->end();
                         self->write();
-                        if (self->is_full() || self->session_->buffered() == 0) return self->go_on();
+                        if (self->is_full() || self->session_->buffered() == 0) return self->read_next();
                         self->session_->resume(self->server_.clock_());
-                        self->server_.go_on();
+                        self->server_.read_next();
                       });
   }
   [[nodiscard]] bool is_full() const override {
@@ -102,7 +102,7 @@ class GatewayServer::Client final : public link::TcpClient<Client>, private Gate
   void end_of_input() {
     said_all_ = true;
     set_timer(server_.options_.patience, nullptr);
-    go_on();
+    read_next();
   }
 
   GatewayServer& server_;
@@ -142,14 +142,14 @@ void GatewayServer::admit(link::TcpPort::Socket socket) {
   clients_.add(std::make_shared<Client>(*this, std::move(socket)))->read();
 }
 
-void GatewayServer::go_on() {
+void GatewayServer::read_next() {
   const auto clients = clients_.all();
-  for (const auto& client : clients) client->go_on();
+  for (const auto& client : clients) client->read_next();
 }
 
 void GatewayServer::receive(const can::Frame& frame, can::Time now) {
   gateway_.receive(frame, now);
-  go_on();
+  read_next();
 }
 
 void GatewayServer::tick(can::Time now) {

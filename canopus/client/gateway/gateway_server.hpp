@@ -53,7 +53,7 @@ class GatewayServer final : public can::Participant {
  private:
   class Client;
   void admit(link::TcpPort::Socket socket);
-  void go_on();
+  void read_next();
 
   Gateway& gateway_;
   Clock clock_;

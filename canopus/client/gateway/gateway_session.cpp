@@ -5,7 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/ascii/words.hpp"
+#include "canopus/canopen/sdo/uploaded_value.hpp"
 
 namespace canopus::client {
 
@@ -86,7 +88,7 @@ void GatewaySession::read_input(can::Time now) {
 void GatewaySession::line(std::string_view text, can::Time now) {
   text = without_comment(text);
   std::string_view start = text;
-  const std::string_view first = take_gateway_word(start);
+  const std::string_view first = next_gateway_word(start);
   sequence_.reset();
   if (first.empty()) return;
   if (first.starts_with('[')) {
@@ -94,7 +96,7 @@ void GatewaySession::line(std::string_view text, can::Time now) {
     const std::size_t begin = text.find('[') + 1;
     std::string_view digits =
         end == std::string_view::npos ? std::string_view() : text.substr(begin, end - begin);
-    sequence_ = gateway_number(take_gateway_word(digits));
+    sequence_ = gateway_number(next_gateway_word(digits));
     if (!sequence_ || *sequence_ > 0xFFFF'FFFF || !digits.empty()) {
       sequence_.reset();
       return answer(GatewayError::syntax);
@@ -103,7 +105,7 @@ void GatewaySession::line(std::string_view text, can::Time now) {
   }
   Words words{.rest = text};
   for (std::string_view rest = words.rest; words.numbers.size() < 3; rest = words.rest) {
-    const auto number = gateway_number(take_gateway_word(rest));
+    const auto number = gateway_number(next_gateway_word(rest));
     if (!number) break;
     words.numbers.push_back(*number);
     words.rest = rest;
@@ -124,11 +126,11 @@ GatewayError GatewaySession::address(Words& words, bool all_allowed) const {
 }
 
 void GatewaySession::command(Words& words, can::Time now) {
-  const std::string_view name = words.take();
+  const std::string_view name = words.next();
   if (is_word(name, "r", "read") || is_word(name, "w", "write")) {
     const bool write = name.front() == 'w';
     Words ahead = words;
-    const std::string_view next = ahead.take();
+    const std::string_view next = ahead.next();
     if (!is_word(next, "p", "pdo")) return read_or_write(words, write, now);
     return write ? write_pdo(ahead, now) : read_pdo(ahead, now);
   }
@@ -136,7 +138,7 @@ void GatewaySession::command(Words& words, can::Time now) {
   if (name == "stop") return nmt(words, NmtCommand::stop);
   if (is_word(name, "preop", "preoperational")) return nmt(words, NmtCommand::enter_pre_operational);
   if (name == "reset") {
-    const std::string_view what = words.take();
+    const std::string_view what = words.next();
     if (what == "node") return nmt(words, NmtCommand::reset_node);
     if (is_word(what, "comm", "communication")) return nmt(words, NmtCommand::reset_communication);
     return answer(GatewayError::syntax);
@@ -144,7 +146,7 @@ void GatewaySession::command(Words& words, can::Time now) {
   if (name == "enable" || name == "disable") return supervise(words, name == "enable", now);
   if (name == "set") return set(words, now);
   if (name == "boot_up_indication") {
-    const std::string_view what = words.take();
+    const std::string_view what = words.next();
     if (!words.over() ||
         !(ascii::equal_ignoring_case(what, "enable") || ascii::equal_ignoring_case(what, "disable")))
       return answer(GatewayError::syntax);
@@ -152,7 +154,7 @@ void GatewaySession::command(Words& words, can::Time now) {
     return answer(GatewayError::none);
   }
   if (name == "info") {
-    if (words.take() != "version" || !words.over()) return answer(GatewayError::syntax);
+    if (words.next() != "version" || !words.over()) return answer(GatewayError::syntax);
     // Vendor, product, revision, serial number, class, versions of the protocol and of this program.
     return answer(fmt::format("0 0 0.0 0 3 2.1 {}", gateway_.version()));
   }
@@ -171,7 +173,7 @@ GatewayError GatewaySession::network_only(const Words& words) {
 }
 
 void GatewaySession::set(Words& words, can::Time now) {
-  const std::string_view what = words.take();
+  const std::string_view what = words.next();
   if (what == "rpdo" || what == "tpdo" || what == "tpdox")
     return set_pdo(words, what == "rpdo", what == "tpdox");
   const std::optional<std::uint64_t> value = words.number(0, longest_time);
@@ -235,7 +237,7 @@ void GatewaySession::nmt(Words& words, NmtCommand command) {
 }
 
 void GatewaySession::supervise(Words& words, bool enable, can::Time now) {
-  const std::string_view what = words.take();
+  const std::string_view what = words.next();
   if (what != "heartbeat" && what != "guarding") return answer(GatewayError::syntax);
   const bool guarding = what == "guarding";
   const auto time = enable ? words.number(1, longest_time) : std::optional<std::uint64_t>(0);
@@ -256,7 +258,7 @@ void GatewaySession::read_or_write(Words& words, bool write, can::Time now) {
   const auto index = words.number(0, 0xFFFF);
   const auto sub = words.number(0, 0xFF);
   if (!index || !sub) return answer(GatewayError::syntax);
-  const std::string_view name = words.take();
+  const std::string_view name = words.next();
   type_ = name.empty() && !write ? GatewayType{} : parse_gateway_type(name);
   if (!type_ || (!write && !words.over())) return answer(GatewayError::syntax);
   Gateway::Transfer transfer{.index = static_cast<std::uint16_t>(*index),
@@ -269,9 +271,7 @@ void GatewaySession::read_or_write(Words& words, bool write, can::Time now) {
   transfer.node = words.node;
   transfer.block = block_;
   transfer.time_out = sdo_time_out_;
-  transfer.done = [this](AbortCode code, std::span<const std::uint8_t> bytes, can::Time when) {
-    finished(code, bytes, when);
-  };
+  transfer.done = [this](const Gateway::Answer& answer, can::Time when) { finished(answer, when); };
   reads_ = !write;
   begins(now);
   const Gateway::Ticket ticket = gateway_.transfer(std::move(transfer), now);
@@ -290,19 +290,34 @@ void GatewaySession::goes_on(can::Time now) {
   read_input(now);
 }
 
-void GatewaySession::finished(AbortCode code, std::span<const std::uint8_t> bytes, can::Time now) {
-  if (code == canopen::SdoClient::buffer_too_small) {
+void GatewaySession::finished(const Gateway::Answer& end, can::Time now) {
+  if (end.code == canopen::SdoClient::buffer_too_small) {
     answer(GatewayError::memory);
-  } else if (code != AbortCode::none) {
-    answer(code);
+  } else if (end.short_answer != nullptr) {
+    answer(fmt::format("ERROR:0x{:08X} #{}, expected 8", static_cast<std::uint32_t>(end.code),
+                       ascii::counted(end.short_answer->length(), "byte")));
+  } else if (end.code != AbortCode::none) {
+    answer(end.code);
   } else if (!reads_) {
     answer(GatewayError::none);
-  } else if (const auto text = show_gateway_value(bytes, *type_)) {
-    answer(*text);
   } else {
-    answer(AbortCode::length_mismatch);
+    answer_value(end);
   }
   goes_on(now);
+}
+
+/// With a comment where the answer of the node leaves a doubt.
+void GatewaySession::answer_value(const Gateway::Answer& end) {
+  using Remark = canopen::UploadedValue::Remark;
+  const std::size_t length = (type_->bits + 7) / 8;
+  const auto value = canopen::uploaded_value(end.bytes, end.size_indicated, length);
+  const auto text = show_gateway_value(value.bytes, *type_);
+  if (!text) return answer(AbortCode::length_mismatch);
+  std::string comment;
+  if (value.remark == Remark::longer_than_type)
+    comment = fmt::format(" #{} came, the others are 0", ascii::counted(end.bytes.size(), "byte"));
+  if (value.remark == Remark::size_not_indicated && length == 0) comment = " #size not indicated";
+  answer(*text + comment);
 }
 
 void GatewaySession::tick(can::Time now) {
@@ -316,7 +331,7 @@ void GatewaySession::tick(can::Time now) {
 
 void GatewaySession::answer(std::string_view text) {
   const std::string start = sequence_ ? fmt::format("[{}] ", *sequence_) : std::string();
-  peer_.say(start + std::string(text) + "\r\n");
+  peer_.send_line(start + std::string(text) + "\r\n");
 }
 
 void GatewaySession::answer(GatewayError error, std::string_view detail) {
@@ -331,7 +346,7 @@ void GatewaySession::answer(AbortCode code) {
 
 void GatewaySession::gateway_event(std::string_view line, bool boot_up) {
   if (boot_up && !boot_up_) return;
-  peer_.say(std::string(line) + "\r\n");
+  peer_.send_line(std::string(line) + "\r\n");
 }
 
 }  // namespace canopus::client

@@ -17,18 +17,37 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "canopus/client/gateway/gateway.hpp"
-#include "canopus/client/gateway/gateway_words.hpp"
+#include "canopus/client/gateway/gateway_value.hpp"
 
 namespace canopus::client {
+
+/// The rest of a line, word by word, and what stood in front of its command.
+struct GatewayWords {
+  std::string_view rest;
+  std::vector<std::uint64_t> numbers{};  ///< in front: node, or network and node
+  std::uint8_t node = 0;
+
+  std::string_view next() { return next_gateway_word(rest); }
+  /// None: the next word is no number, or not in these bounds.
+  std::optional<std::uint64_t> number(std::uint64_t least, std::uint64_t most) {
+    const auto value = gateway_number(next());
+    return value && *value >= least && *value <= most ? value : std::nullopt;
+  }
+  [[nodiscard]] bool over() const {
+    std::string_view copy = rest;
+    return next_gateway_word(copy).empty();
+  }
+};
 
 class GatewaySession final : public can::Ticker, private GatewayListener {
  public:
   class Peer {
    public:
     /// A line to the client, CR LF included.
-    virtual void say(std::string_view line) = 0;
+    virtual void send_line(std::string_view line) = 0;
     /// Too many lines wait for the client: its next command has to wait for resume().
     [[nodiscard]] virtual bool is_full() const { return false; }
 
@@ -92,7 +111,8 @@ class GatewaySession final : public can::Ticker, private GatewayListener {
   void begins(can::Time now, bool limited = true);
   /// The command that was under way is over: the lines behind it.
   void goes_on(can::Time now);
-  void finished(canopen::AbortCode code, std::span<const std::uint8_t> bytes, can::Time now);
+  void finished(const Gateway::Answer& end, can::Time now);
+  void answer_value(const Gateway::Answer& end);
   [[nodiscard]] GatewayError address(Words& words, bool all_allowed) const;
   [[nodiscard]] static GatewayError network_only(const Words& words);
   void answer(std::string_view text);

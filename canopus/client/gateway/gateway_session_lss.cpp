@@ -27,7 +27,7 @@ constexpr std::uint64_t longest_lss_time = 65535;  // ms
 
 /// That many numbers of 32 bits.
 template <std::size_t count>
-std::optional<std::array<std::uint32_t, count>> take_numbers(GatewayWords& words) {
+std::optional<std::array<std::uint32_t, count>> read_numbers(GatewayWords& words) {
   std::array<std::uint32_t, count> numbers{};
   for (auto& number : numbers) {
     const auto value = words.number(0, highest_number);
@@ -94,7 +94,7 @@ void GatewaySession::lss_command(std::string_view name, Words& words, can::Time 
         now);
   }
   if (name == "lss_switch_sel") {
-    const auto n = take_numbers<4>(words);
+    const auto n = read_numbers<4>(words);
     if (!n || !words.over()) return wrong();
     const LssAddress address{(*n)[0], (*n)[1], (*n)[2], (*n)[3]};
     return lss_service([address](LssMaster& master, can::Time when) { return master.select(address, when); },
@@ -155,7 +155,7 @@ void GatewaySession::lss_command(std::string_view name, Words& words, can::Time 
                        now);
   }
   if (name == "lss_identity" || name == "_lss_slowscan") {
-    const auto n = take_numbers<6>(words);
+    const auto n = read_numbers<6>(words);
     if (!n || !words.over()) return wrong();
     const LssAddress low{(*n)[0], (*n)[1], (*n)[2], (*n)[4]};
     const LssAddress high{(*n)[0], (*n)[1], (*n)[3], (*n)[5]};
@@ -250,7 +250,7 @@ void GatewaySession::lss_fastscan(Words& words, can::Time now) {
   LssAddress known;
   LssAddress mask;
   Words ahead = words;
-  if (const auto n = take_numbers<8>(ahead)) {
+  if (const auto n = read_numbers<8>(ahead)) {
     words = ahead;
     for (unsigned part = 0; part < 4; ++part) {
       known.set_part(part, (*n)[2 * part]);

@@ -18,13 +18,13 @@ constexpr std::uint64_t most_syncs = 240;
 
 /// The digits right behind `word`, or the next word.
 std::optional<std::uint64_t> number_behind(GatewayWords& words, std::string_view digits, std::uint64_t most) {
-  const auto value = gateway_number(digits.empty() ? words.take() : digits);
+  const auto value = gateway_number(digits.empty() ? words.next() : digits);
   return value && *value <= most ? value : std::nullopt;
 }
 
 /// `event`, `syncN`, `rtr`; extended: `eventINHIBIT TIMER`, `syncN START`, `rtr`.
-bool take_type(GatewayWords& words, bool extended, GatewayPdo& pdo) {
-  const std::string_view type = words.take();
+bool read_type(GatewayWords& words, bool extended, GatewayPdo& pdo) {
+  const std::string_view type = words.next();
   if (type == "rtr") {
     pdo.type = Type::remote;
   } else if (type.starts_with("sync")) {
@@ -48,12 +48,12 @@ bool take_type(GatewayWords& words, bool extended, GatewayPdo& pdo) {
 
 }  // namespace
 
-/// `NUMBER COB-ID TYPE COUNT DATA-TYPE...`; the COB-ID as in 1400H:01.
+/// `NUMBER COB-ID TYPE COUNT DATA-TYPE...`; the COB-ID as in 1400:01.
 void GatewaySession::set_pdo(Words& words, bool received, bool extended) {
   const auto number = words.number(1, GatewayPdos::most);
   const auto entry = words.number(0, 0xFFFF'FFFF);
   GatewayPdo pdo;
-  if (!number || !entry || !take_type(words, extended, pdo)) return answer(GatewayError::syntax);
+  if (!number || !entry || !read_type(words, extended, pdo)) return answer(GatewayError::syntax);
   const canopen::CobId cob_id{static_cast<std::uint32_t>(*entry)};
   const std::uint32_t flags =
       canopen::CobId::invalid_bit | canopen::CobId::bit_30 | canopen::CobId::extended_bit;
@@ -64,7 +64,7 @@ void GatewaySession::set_pdo(Words& words, bool received, bool extended) {
   const auto count = words.number(0, 64);
   if (!count) return answer(GatewayError::syntax);
   for (std::uint64_t i = 0; i < *count; ++i) {
-    const auto each = parse_gateway_type(words.take());
+    const auto each = parse_gateway_type(words.next());
     if (!each) return answer(GatewayError::syntax);
     if (each->bits == 0) return answer(GatewayError::not_supported);
     pdo.types.push_back(*each);
@@ -106,7 +106,7 @@ void GatewaySession::write_pdo(Words& words, can::Time now) {
   if (!number || !count) return answer(GatewayError::syntax);
   std::vector<std::uint64_t> values;
   for (std::uint64_t i = 0; i < *count; ++i) {
-    const auto value = gateway_number(words.take());
+    const auto value = gateway_number(words.next());
     if (!value) return answer(GatewayError::syntax);
     values.push_back(*value);
   }

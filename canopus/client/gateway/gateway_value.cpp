@@ -60,8 +60,8 @@ std::optional<Bytes> encode_real(std::string_view text, unsigned bits) {
 
 // 28 bits ms, 4 reserved, 16 bits days [CiA 301 7.1.6.5].
 std::optional<Bytes> encode_time(std::string_view text) {
-  const auto days = gateway_number(take_gateway_word(text));
-  const auto milliseconds = gateway_number(take_gateway_word(text));
+  const auto days = gateway_number(next_gateway_word(text));
+  const auto milliseconds = gateway_number(next_gateway_word(text));
   if (!days || !milliseconds || *days > 0xFFFF || *milliseconds > 0x0FFF'FFFF || !trim(text).empty()) {
     return std::nullopt;
   }
@@ -148,7 +148,7 @@ std::string show_integer(std::uint64_t value, unsigned bits) {
 
 }  // namespace
 
-std::string_view take_gateway_word(std::string_view& line) noexcept {
+std::string_view next_gateway_word(std::string_view& line) noexcept {
   while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
   bool quoted = false;
   std::size_t size = 0;

@@ -12,7 +12,7 @@
 namespace canopus::client {
 
 /// Takes the next word off the front: up to a blank, or a string in double quotes with them. Empty: there is none.
-[[nodiscard]] std::string_view take_gateway_word(std::string_view& line) noexcept;
+[[nodiscard]] std::string_view next_gateway_word(std::string_view& line) noexcept;
 /// A whole word as a number the way C writes it: 12, 0x0C, 014. None: it is no number, or too large.
 [[nodiscard]] std::optional<std::uint64_t> gateway_number(std::string_view word) noexcept;
 

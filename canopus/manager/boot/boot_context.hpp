@@ -33,7 +33,7 @@ struct BootContext {
     if (!facts(step).asks_object) host.boot_went_on(node_id, record, now);
   }
   /// Reads this object, as this step.
-  void ask(BootStep step, std::uint16_t index, std::uint8_t sub, can::Time now) {
+  void request(BootStep step, std::uint16_t index, std::uint8_t sub, can::Time now) {
     enter(step, now);
     transfer.read(index, sub, now);
   }

@@ -22,7 +22,7 @@ class BootHost {
   virtual can::Duration heartbeat_time(std::uint8_t node_id) const = 0;
   virtual void send_nmt(canopen::NmtCommand command, std::uint8_t node_id, can::Time now) = 0;
   /// Sends one guarding remote frame.
-  virtual void ask_state(std::uint8_t node_id) = 0;
+  virtual void request_state(std::uint8_t node_id) = 0;
   /// 1F81H has guarding for the node, and 1016H does not watch it.
   virtual bool guards(std::uint8_t node_id) const = 0;
   /// Begins guarding with its first remote frame, if it guards() the node.

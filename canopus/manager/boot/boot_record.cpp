@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/ascii/hex.hpp"
 #include "canopus/canopen/dictionary/object_text.hpp"
 
@@ -80,7 +81,7 @@ namespace {
 
 std::string hex(std::uint32_t value, int digits) { return ascii::hex(value, digits) + 'H'; }
 
-std::string object(const BootRecord& record) { return canopen::object_name(record.index, record.sub); }
+std::string object(const BootRecord& record) { return canopen::object_text(record.index, record.sub); }
 
 std::string comparison(const BootRecord& record) {
   return object(record) + " reads " + hex(record.received, 8) + ", expected " + hex(record.expected, 8) + ".";
@@ -88,6 +89,8 @@ std::string comparison(const BootRecord& record) {
 
 std::string abort_text(const BootRecord& record) {
   if (record.abort_code == canopen::AbortCode::timed_out) return "no answer (time-out)";
+  if (record.answer_length < BootRecord::whole_answer)
+    return "an answer of " + ascii::counted(record.answer_length, "byte") + ", expected 8";
   return "abort " + hex(static_cast<std::uint32_t>(record.abort_code), 8) + ", " +
          std::string(canopen::describe(record.abort_code));
 }
@@ -134,6 +137,23 @@ std::string download_advice(const BootRecord& record) {
   return object(record) + ": " + abort_text(record) + ". Check that the device takes programs over CANopen.";
 }
 
+/// "once", "3 times"
+std::string attempts_text(std::uint32_t count) {
+  return count == 1 ? "once" : std::to_string(count) + " times";
+}
+
+std::string asked(const BootRecord& record) {
+  return "Asked " + attempts_text(record.attempts) + " without an answer.";
+}
+
+std::string wrong_bit_rate_text(const WrongBitRate& wrong) {
+  const auto kbit = [](std::uint32_t rate) { return std::to_string(rate / 1000) + " kbit/s"; };
+  const std::string who =
+      wrong.node_id > 127 ? " A device without a node-ID" : " Node " + std::to_string(wrong.node_id);
+  return who + " has " + kbit(wrong.bit_rate) + ", the bus " + kbit(wrong.of_bus) +
+         ": no frame of this bus is valid until they are the same.";
+}
+
 // What is wrong, if the record knows, and what a person can check.
 std::string advice(const BootRecord& record) {
   const bool aborted = record.abort_code != canopen::AbortCode::none;
@@ -146,8 +166,10 @@ std::string advice(const BootRecord& record) {
         return "The device answers 1000H with " + abort_text(record) +
                ". Check whether it is a CANopen device and whether its SDO server is free.";
       }
-      return (record.attempts == 1 ? "Asked once" : "Asked " + std::to_string(record.attempts) + " times") +
-             " without an answer. Check that the device is powered and connected, has this node-ID and "
+      if (record.wrong_bit_rate.node_id != 0)
+        return asked(record) + wrong_bit_rate_text(record.wrong_bit_rate);
+      return asked(record) +
+             " Check that the device is powered and connected, has this node-ID and "
              "this bit rate, and that the bus is terminated.";
     case BootError::device_type:
       return comparison(record) + " Another device has this node-ID, or 1F84H is set wrongly.";
@@ -205,7 +227,7 @@ std::string describe(const BootRecord& record) {
     case BootStep::configuration:
       if (record.index != 0) text += ", " + object(record);
       break;
-    case BootStep::presence_pause: text += " (asked " + std::to_string(record.attempts) + " times)"; break;
+    case BootStep::presence_pause: text += " (asked " + attempts_text(record.attempts) + ")"; break;
     case BootStep::failed:
       text += " (" + std::string(1, letter(record.error)) + ", " + std::string(describe(record.error)) + ")";
       break;

@@ -17,7 +17,7 @@ enum class BootError : char {
   not_assigned = 'A',            ///< 1F81H bit 0 is 0
   no_answer = 'B',               ///< 1000H was not answered, or with an abort
   device_type = 'C',             ///< 1000H differs from 1F84H
-  vendor = 'D',                  ///< 1018H:01 differs from 1F85H, or could not be read
+  vendor = 'D',                  ///< 1018:01 differs from 1F85H, or could not be read
   no_heartbeat_state = 'E',      ///< keep alive: no heartbeat with the state
   no_guarding_state = 'F',       ///< keep alive: the guarding remote frame was not answered
   software_not_described = 'G',  ///< 1F55H is 0, or 1F56H could not be read
@@ -26,9 +26,9 @@ enum class BootError : char {
   configuration = 'J',           ///< the configuration download failed
   no_error_control = 'K',        ///< no heartbeat (or guarding answer) at the start of error control
   already_operational = 'L',     ///< found Operational and left so: no failure
-  product = 'M',                 ///< 1018H:02 differs from 1F86H
-  revision = 'N',                ///< 1018H:03 differs from 1F87H
-  serial = 'O',                  ///< 1018H:04 differs from 1F88H
+  product = 'M',                 ///< 1018:02 differs from 1F86H
+  revision = 'N',                ///< 1018:03 differs from 1F87H
+  serial = 'O',                  ///< 1018:04 differs from 1F88H
 };
 
 /// 'A'..'O', or '-' for none.
@@ -48,23 +48,23 @@ enum class BootStep : std::uint8_t {
   wait_after_reset,       ///< the slave was reset: its boot-up message or the end of the wait
   presence,               ///< 1000H is asked
   presence_pause,         ///< not answered: asked again after a pause
-  identity,               ///< 1018H:01..04 are asked
+  identity,               ///< 1018:01..04 are asked
   state_by_heartbeat,     ///< keep alive: its heartbeat is awaited
   state_by_guarding,      ///< keep alive: its guarding answer is awaited
   boot_up_after_reset,    ///< keep alive, but not Operational: reset, its boot-up message is awaited
-  software_version,       ///< 1F56H:01 is asked
-  program_state,          ///< an update is due: 1F51H:01 is asked
-  program_stop,           ///< 1F51H:01 = 0 is written
-  program_clear,          ///< 1F51H:01 = 3 is written
-  program_download,       ///< 1F50H:01 is being written
-  program_flash,          ///< 1F57H:01 is asked until the flash memory is not busy
-  program_verify,         ///< 1F56H:01 is asked again
-  program_start,          ///< 1F51H:01 = 1 is written
-  program_started,        ///< 1F51H:01 is asked until it reads 1
+  software_version,       ///< 1F56:01 is asked
+  program_state,          ///< an update is due: 1F51:01 is asked
+  program_stop,           ///< 1F51:01 = 0 is written
+  program_clear,          ///< 1F51:01 = 3 is written
+  program_download,       ///< 1F50:01 is being written
+  program_flash,          ///< 1F57:01 is asked until the flash memory is not busy
+  program_verify,         ///< 1F56:01 is asked again
+  program_start,          ///< 1F51:01 = 1 is written
+  program_started,        ///< 1F51:01 is asked until it reads 1
   restore,                ///< 1011H is written
   boot_up_after_restore,  ///< its boot-up message after the restore is awaited
-  configuration_date,     ///< 1020H:01 is asked
-  configuration_time,     ///< 1020H:02 is asked
+  configuration_date,     ///< 1020:01 is asked
+  configuration_time,     ///< 1020:02 is asked
   configuration,          ///< the concise DCF is being written
   heartbeat_start,        ///< error control: its heartbeat is awaited
   guarding_start,         ///< error control: its guarding answer is awaited
@@ -84,7 +84,16 @@ struct BootStepFacts {
 };
 [[nodiscard]] const BootStepFacts& facts(BootStep step) noexcept;
 
+/// A node of the bus with another bit rate than the bus, as far as the owner of a master knows one.
+struct WrongBitRate {
+  std::uint8_t node_id = 0;    ///< 0: none is known
+  std::uint32_t bit_rate = 0;  ///< bit/s
+  std::uint32_t of_bus = 0;
+};
+
 struct BootRecord {
+  static constexpr std::uint8_t whole_answer = 8;  ///< bytes of an SDO frame [CiA 301 7.2.4.3]
+
   BootStep step = BootStep::idle;
   BootStep failed_step = BootStep::idle;  ///< the step that led to `error`
   BootError error = BootError::none;      ///< result, or the latest reason for another attempt
@@ -97,9 +106,11 @@ struct BootRecord {
   std::uint32_t size = 0;      ///< program_download: bytes of the program, 0 = not known
   can::Time since{};           ///< when the present step began
   canopen::AbortCode abort_code = canopen::AbortCode::none;  ///< of the last SDO; timed_out: no answer
+  std::uint8_t answer_length = whole_answer;  ///< of the last SDO's answer; fewer bytes: it failed for that
+  WrongBitRate wrong_bit_rate{};
 };
 
-/// Where the boot is, in a few words: "checking its identity, 1018H:02", "failed (D, vendor-ID differs from
+/// Where the boot is, in a few words: "checking its identity, 1018:02", "failed (D, vendor-ID differs from
 /// 1F85H)".
 [[nodiscard]] std::string describe(const BootRecord& record);
 /// One or two sentences: where the boot is, and what to check when it does not go on.

@@ -54,7 +54,7 @@ void BootSlave::begin(can::Time now) {
   const std::uint32_t assignment = boot_.assignment();
   if ((assignment & assignment_bit::slave) == 0) return fail(BootError::not_assigned, now);
   if ((assignment & assignment_bit::boot_slave) == 0) return start_error_control(now);
-  ask_presence(now);
+  request_presence(now);
 }
 
 void BootSlave::boot_up(can::Time now) {
@@ -62,7 +62,7 @@ void BootSlave::boot_up(can::Time now) {
     case BootStep::wait_after_reset: return begin(now);
     // The question was lost; its time-out asks again at once.
     case BootStep::presence: rebooted_ = true; return;
-    case BootStep::presence_pause: return ask_presence(now);
+    case BootStep::presence_pause: return request_presence(now);
     case BootStep::boot_up_after_reset: return on_software_step(software_.check(now), now);
     case BootStep::boot_up_after_restore: return follow_configuration(configuration_.compare(now), now);
     default: break;
@@ -72,10 +72,10 @@ void BootSlave::boot_up(can::Time now) {
   start(false, now);
 }
 
-void BootSlave::ask_presence(can::Time now) {
+void BootSlave::request_presence(can::Time now) {
   rebooted_ = false;
   ++boot_.record.attempts;
-  boot_.ask(BootStep::presence, 0x1000, 0, now);
+  boot_.request(BootStep::presence, 0x1000, 0, now);
 }
 
 void BootSlave::presence_answered(can::Time now) {
@@ -83,7 +83,7 @@ void BootSlave::presence_answered(can::Time now) {
   if (!boot_.was_answered()) {
     record.error = BootError::no_answer;
     boot_.host.presence_known(boot_.node_id, false, now);
-    if (rebooted_) return ask_presence(now);
+    if (rebooted_) return request_presence(now);
     return boot_.enter(BootStep::presence_pause, now, pause_before_retry(now));
   }
   record.error = BootError::none;
@@ -91,21 +91,21 @@ void BootSlave::presence_answered(can::Time now) {
   record.received = boot_.transfer.value();
   record.expected = boot_.expected(0x1F84);
   if (record.expected != 0 && record.expected != record.received) return fail(BootError::device_type, now);
-  ask_identity(1, now);
+  request_identity(1, now);
 }
 
 can::Duration BootSlave::pause_before_retry(can::Time now) const {
   const MasterOptions& options = boot_.host.boot_options();
   if (!options.presence_retry_counts_from_request) return options.presence_retry;
   constexpr can::Duration next_tick{1};
-  return std::max(options.presence_retry - (now - boot_.transfer.asked_at()), next_tick);
+  return std::max(options.presence_retry - (now - boot_.transfer.requested_at()), next_tick);
 }
 
-void BootSlave::ask_identity(std::uint8_t sub, can::Time now) {
+void BootSlave::request_identity(std::uint8_t sub, can::Time now) {
   for (; sub <= 4; ++sub) {
     boot_.record.expected = boot_.expected(static_cast<std::uint16_t>(0x1F84 + sub));
     if (boot_.record.expected == 0) continue;
-    return boot_.ask(BootStep::identity, 0x1018, sub, now);
+    return boot_.request(BootStep::identity, 0x1018, sub, now);
   }
   check_state(now);
 }
@@ -120,7 +120,7 @@ void BootSlave::identity_answered(can::Time now) {
                                               (record.received & 0xFFFF) >= (record.expected & 0xFFFF)
                                         : record.received == record.expected;
   if (!fits) return fail(identity_error(record.sub), now);
-  ask_identity(static_cast<std::uint8_t>(record.sub + 1), now);
+  request_identity(static_cast<std::uint8_t>(record.sub + 1), now);
 }
 
 // Keep alive: a node that is Operational must not be disturbed.
@@ -131,7 +131,7 @@ void BootSlave::check_state(can::Time now) {
   const can::Duration heartbeat = boot_.host.heartbeat_time(boot_.node_id);
   if (heartbeat > can::Duration{}) return boot_.enter(BootStep::state_by_heartbeat, now, heartbeat);
   boot_.enter(BootStep::state_by_guarding, now, boot_.host.boot_options().guarding_probe);
-  boot_.host.ask_state(boot_.node_id);
+  boot_.host.request_state(boot_.node_id);
 }
 
 void BootSlave::state_seen(canopen::NmtState state, can::Time now) {
@@ -229,7 +229,7 @@ void BootSlave::tick(can::Time now) {
   boot_.step_end.cancel();
   switch (boot_.record.step) {
     case BootStep::wait_after_reset: return begin(now);
-    case BootStep::presence_pause: return ask_presence(now);
+    case BootStep::presence_pause: return request_presence(now);
     case BootStep::state_by_heartbeat:
     case BootStep::state_by_guarding:
     case BootStep::boot_up_after_reset:

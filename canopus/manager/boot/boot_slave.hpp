@@ -67,10 +67,10 @@ class BootSlave final : private BootTransferListener {
   void follow_configuration(const BootOutcome& outcome, can::Time now);
 
   void begin(can::Time now);
-  void ask_presence(can::Time now);
+  void request_presence(can::Time now);
   void presence_answered(can::Time now);
   [[nodiscard]] can::Duration pause_before_retry(can::Time now) const;
-  void ask_identity(std::uint8_t sub, can::Time now);
+  void request_identity(std::uint8_t sub, can::Time now);
   void identity_answered(can::Time now);
   void check_state(can::Time now);
   void configured(can::Time now);

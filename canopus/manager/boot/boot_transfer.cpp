@@ -1,6 +1,7 @@
 #include "canopus/manager/boot/boot_transfer.hpp"
 
 #include "canopus/can/little_endian.hpp"
+#include "canopus/canopen/sdo/uploaded_value.hpp"
 
 namespace canopus::manager {
 
@@ -83,7 +84,7 @@ bool BootTransfer::start(can::Time now) {
   const bool slow = record_->step == BootStep::program_clear || record_->step == BootStep::program_download;
   const can::Duration time_out = slow ? options.program_time_out : options.sdo_time_out;
   in_blocks_ = uses_blocks();
-  asked_at_ = now;
+  requested_at_ = now;
   const Mode mode = in_blocks_ ? Mode::block : Mode::segmented;
   switch (kind_) {
     case Kind::read: return client_.upload(record_->index, record_->sub, *this, now, time_out);
@@ -113,7 +114,11 @@ bool BootTransfer::blocks_refused(bool rebooted) const noexcept {
   }
 }
 
-std::uint32_t BootTransfer::value() const noexcept { return can::load_u32(client_.data()); }
+std::uint32_t BootTransfer::value() const noexcept {
+  // Of the objects that a boot reads 1F51H alone is UNSIGNED8, the others are UNSIGNED32 [CiA 302-3].
+  const std::size_t length = record_->index == 0x1F51 ? 1 : 4;
+  return can::load_u32(canopen::uploaded_value(client_.data(), client_.is_size_indicated(), length).bytes);
+}
 
 void BootTransfer::tick(can::Time now) {
   if (client_.alarm() <= now) {
@@ -127,6 +132,8 @@ void BootTransfer::tick(can::Time now) {
 
 void BootTransfer::sdo_finished(canopen::SdoClient& client, can::Time now) {
   record_->abort_code = client.abort_code();
+  const can::Frame* const answer = client.short_answer();
+  record_->answer_length = answer != nullptr ? answer->dlc : BootRecord::whole_answer;
   listener_->transfer_ended(now);
 }
 

@@ -57,13 +57,13 @@ class BootTransfer final : private canopen::SdoClientListener, private canopen::
   /// What was read last, as a number.
   [[nodiscard]] std::uint32_t value() const noexcept;
   /// When the last request was made, or got out on the bus.
-  [[nodiscard]] can::Time asked_at() const noexcept { return asked_at_; }
+  [[nodiscard]] can::Time requested_at() const noexcept { return requested_at_; }
 
   void receive(const can::Frame& frame, can::Time now) { client_.receive(frame, now); }
   /// The request got out on the bus.
   void transmitted(can::Time now) {
     client_.count_from(now);
-    asked_at_ = now;
+    requested_at_ = now;
   }
   void tick(can::Time now);
   [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
@@ -89,7 +89,7 @@ class BootTransfer final : private canopen::SdoClientListener, private canopen::
   bool in_blocks_ = false;          // the present transfer
   bool no_blocks_ = false;          // the slave does not know them
   bool waits_for_channel_ = false;  // else a repetition waits for its pause
-  can::Time asked_at_{};
+  can::Time requested_at_{};
   can::Alarm retry_;
   can::Alarm alarm_;  // with the client's
 };

@@ -50,7 +50,7 @@ BootOutcome SlaveConfiguration::compare(can::Time now) {
   const std::uint32_t time = boot_->expected(0x1F27);
   if (date == 0 || time == 0) return download(now);
   boot_->record.expected = date;
-  boot_->ask(BootStep::configuration_date, 0x1020, 1, now);
+  boot_->request(BootStep::configuration_date, 0x1020, 1, now);
   return StepResult::wait;
 }
 
@@ -60,7 +60,7 @@ BootOutcome SlaveConfiguration::mark_answered(can::Time now) {
   if (!boot_->was_answered() || record.received != record.expected) return download(now);
   if (record.step == BootStep::configuration_time) return StepResult::go_on;
   record.expected = boot_->expected(0x1F27);
-  boot_->ask(BootStep::configuration_time, 0x1020, 2, now);
+  boot_->request(BootStep::configuration_time, 0x1020, 2, now);
   return StepResult::wait;
 }
 

@@ -2,7 +2,7 @@
 // "Check configuration" [CiA 302-2, 302-3; ME3CAN1-Q 4.8.12]: the slave's defaults are restored, if 1F81H and
 // 1F8AH say so; if 1020H does not read what 1F26H and 1F27H expect, its concise DCF is downloaded.
 //
-//   [1011H written - reset - boot-up] - no concise DCF, or 1020H:01 and :02 as expected: done
+//   [1011H written - reset - boot-up] - no concise DCF, or 1020:01 and :02 as expected: done
 //                                     - else: each entry of the concise DCF in turn
 //
 // An abort ends the boot; one of a read-only object where MasterOptions::configuration_skips_read_only is false.

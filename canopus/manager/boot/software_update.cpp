@@ -44,7 +44,7 @@ BootOutcome SoftwareUpdate::check(can::Time now) {
     boot_->record.index = 0;
     return not_described;
   }
-  boot_->ask(BootStep::software_version, software_identification, first_program, now);
+  boot_->request(BootStep::software_version, software_identification, first_program, now);
   return StepResult::wait;
 }
 
@@ -88,7 +88,7 @@ BootOutcome SoftwareUpdate::version_answered(can::Time now) {
     return std::unexpected(BootError::software_not_allowed);
   }
   if (updated_ || updates_ >= boot_->host.boot_options().program_attempts) return download_failed;
-  boot_->ask(BootStep::program_state, program_control, first_program, now);
+  boot_->request(BootStep::program_state, program_control, first_program, now);
   return StepResult::wait;
 }
 
@@ -145,7 +145,7 @@ BootOutcome SoftwareUpdate::downloaded(can::Time now) {
     return download_failed;
   }
   boot_->record.received = 0;
-  boot_->ask(BootStep::program_flash, flash_status, first_program, now);
+  boot_->request(BootStep::program_flash, flash_status, first_program, now);
   return StepResult::wait;
 }
 
@@ -165,7 +165,7 @@ BootOutcome SoftwareUpdate::flash_status_answered(can::Time now) {
   }
   if ((record.received & 0xFE) != 0) return download_failed;
   record.expected = boot_->expected(expected_version);
-  boot_->ask(BootStep::program_verify, software_identification, first_program, now);
+  boot_->request(BootStep::program_verify, software_identification, first_program, now);
   return StepResult::wait;
 }
 

@@ -1,10 +1,10 @@
 #pragma once
-// "Check and update program software" [CiA 302-2, 302-3]: what 1F56H:01 of the slave says is compared with
+// "Check and update program software" [CiA 302-2, 302-3]: what 1F56:01 of the slave says is compared with
 // 1F55H; if it differs, and an update is allowed, the program of 1F58H goes to the slave.
 //
-//   1F56H:01 - equal: done
-//            - differs - 1F51H:01 read - [stop: 0] - clear: 3 - 1F50H:01 written - 1F57H:01 until not busy
-//              - 1F56H:01 compared again - start: 1 - 1F51H:01 until it reads 1 - the boot from 1000H on
+//   1F56:01 - equal: done
+//            - differs - 1F51:01 read - [stop: 0] - clear: 3 - 1F50:01 written - 1F57:01 until not busy
+//              - 1F56:01 compared again - start: 1 - 1F51:01 until it reads 1 - the boot from 1000H on
 //
 // A device restarts when its program is stopped or started, and may not answer while its flash memory is
 // cleared or written: there, no answer is no failure.

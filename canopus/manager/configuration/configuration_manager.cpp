@@ -69,8 +69,8 @@ AbortCode ConfigurationManager::before_write(canopen::ObjectDictionary&, const c
                                              std::span<const std::uint8_t> value, can::Time now) {
   if (entry.sub == 0) return AbortCode::write_of_read_only;
   if (entry.index == request_index) return request(entry.sub, value, now);
-  return entry.index == program_index ? take_program(entry.sub, value, now)
-                                      : take_file(entry.sub, value, now);
+  return entry.index == program_index ? store_program(entry.sub, value, now)
+                                      : store_file(entry.sub, value, now);
 }
 
 void ConfigurationManager::after_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
@@ -79,8 +79,8 @@ void ConfigurationManager::after_write(canopen::ObjectDictionary& dictionary, co
   if (entry.index != request_index) dictionary.assign(entry, {});
 }
 
-AbortCode ConfigurationManager::take_file(std::uint8_t node_id, std::span<const std::uint8_t> file,
-                                          can::Time now) {
+AbortCode ConfigurationManager::store_file(std::uint8_t node_id, std::span<const std::uint8_t> file,
+                                           can::Time now) {
   if (node_id >= files_.size()) return AbortCode::no_sub_index;
   if (busy(now)) return options_.busy;
   if (master_->configuring(node_id)) return options_.in_download;
@@ -103,8 +103,8 @@ AbortCode ConfigurationManager::take_file(std::uint8_t node_id, std::span<const 
 }
 
 // One byte 00H deletes it, as it deletes a file.
-AbortCode ConfigurationManager::take_program(std::uint8_t node_id, std::span<const std::uint8_t> program,
-                                             can::Time now) {
+AbortCode ConfigurationManager::store_program(std::uint8_t node_id, std::span<const std::uint8_t> program,
+                                              can::Time now) {
   if (node_id >= programs_.size()) return AbortCode::no_sub_index;
   if (busy(now)) return options_.busy;
   if (master_->boot_record(node_id).step == BootStep::program_download) return AbortCode::device_state;

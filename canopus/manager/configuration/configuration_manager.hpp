@@ -88,10 +88,10 @@ class ConfigurationManager final : public ConfigurationSource, public canopen::O
                                   std::span<const std::uint8_t> value, can::Time now) override;
   void after_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
                    can::Time now) override;
-  [[nodiscard]] canopen::AbortCode take_file(std::uint8_t node_id, std::span<const std::uint8_t> file,
-                                             can::Time now);
-  [[nodiscard]] canopen::AbortCode take_program(std::uint8_t node_id, std::span<const std::uint8_t> program,
-                                                can::Time now);
+  [[nodiscard]] canopen::AbortCode store_file(std::uint8_t node_id, std::span<const std::uint8_t> file,
+                                              can::Time now);
+  [[nodiscard]] canopen::AbortCode store_program(std::uint8_t node_id, std::span<const std::uint8_t> program,
+                                                 can::Time now);
   [[nodiscard]] canopen::AbortCode request(std::uint8_t sub, std::span<const std::uint8_t> value,
                                            can::Time now);
 

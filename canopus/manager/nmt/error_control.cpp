@@ -179,7 +179,7 @@ bool ErrorControl::guards(std::uint8_t node_id) const {
          retry_factor(bits) > 0 && master_.heartbeat_time(node_id) == can::Duration{};
 }
 
-void ErrorControl::ask_state(std::uint8_t node_id) {
+void ErrorControl::request_state(std::uint8_t node_id) {
   master_.send(can::remote_frame(canopen::cob_id::error_control + node_id, 1));
 }
 
@@ -199,7 +199,7 @@ void ErrorControl::stop_guarding(std::uint8_t node_id, can::Time now) {
 
 void ErrorControl::guarding_tick(std::uint8_t node_id, can::Time now) {
   const NodeGuarding::Due due = master_.slaves[node_id].guarding.tick(now);
-  if (due.request) ask_state(node_id);
+  if (due.request) request_state(node_id);
   if (due.missed) master_.set_error_bits(node_id, error_control::guarding_miss, 0, now);
   if (due.lost) {
     master_.set_error_bits(node_id, error_control::node_lost,

@@ -34,7 +34,7 @@ class ErrorControl {
   /// 1F81H has guarding for the node, and 1016H does not watch it.
   [[nodiscard]] bool guards(std::uint8_t node_id) const;
   /// Sends one remote frame.
-  void ask_state(std::uint8_t node_id);
+  void request_state(std::uint8_t node_id);
   void start_guarding(std::uint8_t node_id, can::Time now);
   void stop_guarding(std::uint8_t node_id, can::Time now);
   void guarding_tick(std::uint8_t node_id, can::Time now);

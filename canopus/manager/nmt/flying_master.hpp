@@ -6,12 +6,12 @@
 //   072H                   negotiation begins: wait      075H  is there a master-capable device?  074H  yes
 //   076H                   active masters: negotiate
 //
-//   delay --1F90H:02--> detecting (073H) --071H of a better one--> standby
+//   delay --1F90:02--> detecting (073H) --071H of a better one--> standby
 //                          |--071H of a worse one--> 076H, negotiating
-//                          `--1F90H:01, none-->   Reset communication all (once), negotiating
-//   negotiating (072H): each waits level x 1F90H:04 + node-ID x 1F90H:05; the first to send 071H --> active
+//                          `--1F90:01, none-->   Reset communication all (once), negotiating
+//   negotiating (072H): each waits level x 1F90:04 + node-ID x 1F90:05; the first to send 071H --> active
 //   standby: heartbeat of the active master lost --> Reset communication all, delay
-//   active: every 1F90H:06 076H, so that a second active master negotiates; 072H or a better 071H ends it
+//   active: every 1F90:06 076H, so that a second active master negotiates; 072H or a better 071H ends it
 //
 // Better is the lower level, then the lower node-ID.
 

@@ -17,8 +17,15 @@ class MasterPort final : public can::Sink {
  public:
   MasterPort(can::Sink& sink, const canopen::Node& node) : wire_(sink), node_(&node) {}
 
-  /// Swallows what must not be sent: everything while muted; SDO requests of a Stopped node.
-  bool send(const can::Frame& frame) override;
+  /// Swallows what must not be sent: everything while muted; SDO requests of a Stopped node, which sends no SDO and receives none
+  /// [CiA 301 7.3.2.2.4; ME3CAN1-Q 4.8.1]. Nothing is reported: the start-up finds no answer and repeats its requests.
+  bool send(const can::Frame& frame) override {
+    if (muted_) return true;
+    if ((frame.identifier & canopen::cob_id::function_code) != canopen::cob_id::sdo_request)
+      return wire_.send(frame);
+    if (node_->state() == canopen::NmtState::stopped) return true;
+    return queue_.send(frame, wire_, now_);
+  }
   /// What goes out whatever the node may, at whatever bit rate: LSS.
   [[nodiscard]] can::Sink& wire() noexcept { return wire_; }
   void mute(bool muted) noexcept { muted_ = muted; }

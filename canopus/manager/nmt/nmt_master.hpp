@@ -174,7 +174,7 @@ class NmtMaster final : public can::Participant, private MasterContext, private 
   void send_nmt(canopen::NmtCommand command, std::uint8_t node_id, can::Time now) override {
     commands_.push(command, node_id, now);
   }
-  void ask_state(std::uint8_t node_id) override { error_control_.ask_state(node_id); }
+  void request_state(std::uint8_t node_id) override { error_control_.request_state(node_id); }
   [[nodiscard]] bool guards(std::uint8_t node_id) const override { return error_control_.guards(node_id); }
   void start_guarding(std::uint8_t node_id, can::Time now) override {
     error_control_.start_guarding(node_id, now);

@@ -154,7 +154,7 @@ void NmtRequests::after_write(canopen::ObjectDictionary& dictionary, const canop
   switch (entry.index) {
     case 0x1F81:
       // A slave that needs no boot is guarded from now on; others at the proper step of their boot.
-      if (start_up_.phase() == StartUp::Phase::running && !master_.slaves[entry.sub & 0x7F].is_booting()) {
+      if (start_up_.has_begun_boots() && !master_.slaves[entry.sub & 0x7F].is_booting()) {
         perform_guarding(entry.sub, 0, now);
         if (master_.options.boot_bit_is_for_recovery && entry.sub != 0)
           return start_up_.slave_assigned(entry.sub & 0x7F, now);

@@ -8,10 +8,7 @@ namespace canopus::manager {
 using canopen::NmtCommand;
 using canopen::NmtState;
 
-bool StartUp::may_boot() const {
-  return phase_ > Phase::resetting && phase_ != Phase::halted && phase_ != Phase::searching &&
-         master_.node.state() != NmtState::stopped;
-}
+bool StartUp::may_boot() const { return has_begun_boots() && master_.node.state() != NmtState::stopped; }
 
 bool StartUp::waits_for_own_start() const noexcept {
   const bool is_that_far =

@@ -51,6 +51,10 @@ class StartUp {
   }
   /// See NmtMaster.
   [[nodiscard]] bool waits_for_own_start() const noexcept;
+  /// The assigned slaves are booted, or being booted: another one that is assigned now joins them.
+  [[nodiscard]] bool has_begun_boots() const noexcept {
+    return phase_ > Phase::resetting && phase_ != Phase::halted && phase_ != Phase::searching;
+  }
   /// Slaves may be booted now.
   [[nodiscard]] bool may_boot() const;
 
@@ -72,7 +76,7 @@ class StartUp {
   void state_seen(std::uint8_t node_id, canopen::NmtState state, can::Time now);
   void boot_ended(std::uint8_t node_id, BootError error, can::Time now);
   void slave_lost(std::uint8_t node_id, can::Time now);
-  /// 1F81H was written while the network runs: the slave is booted in the next tick in which its SDO channel is free.
+  /// 1F81H was written after the boots have begun: the slave is booted in the next tick in which its SDO channel is free.
   void slave_assigned(std::uint8_t node_id, can::Time now) {
     assigned_.set(node_id);
     assigned_due_ = now;

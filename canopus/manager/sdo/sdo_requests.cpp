@@ -68,7 +68,11 @@ void SdoRequests::end(std::uint8_t node_id, AbortCode code, std::span<const std:
   alarms_[node_id].cancel();
   if (!request.done) return;
   const bool was_ending = std::exchange(channel.ending, true);
-  request.done({node_id, request.index, request.sub, code, data}, now);
+  const canopen::SdoClient& client = channel.client;
+  const bool is_over = code == client.abort_code();  // else it was cancelled
+  request.done({node_id, request.index, request.sub, code, data, client.is_size_indicated(),
+                is_over ? client.short_answer() : nullptr},
+               now);
   channel.ending = was_ending;
 }
 

@@ -29,6 +29,8 @@ struct SdoResult {
   std::uint8_t sub = 0;
   canopen::AbortCode abort_code = canopen::AbortCode::none;  ///< timed_out: no answer
   std::span<const std::uint8_t> data{};                      ///< what was read
+  bool size_indicated = true;                                ///< as SdoClient::is_size_indicated()
+  const can::Frame* short_answer = nullptr;                  ///< as SdoClient::short_answer()
 };
 
 struct SdoRequestOptions {
