@@ -50,10 +50,10 @@ std::string shown(std::uint64_t value, bool adds_node_id, DataType type) {
   return hexadecimal(value, static_cast<int>(2 * canopen::byte_length(type)));
 }
 
-/// "1014H", "1800H:01".
+/// "1014H", "1800:01".
 std::string entry_name(const EntryFacts& facts) {
   const bool is_record = canopen::cob_id_use(facts.index, 0) == CobIdUse::none;
-  return is_record ? object_name(facts.index, facts.sub) : object_name(facts.index);
+  return is_record ? object_text(facts.index, facts.sub) : object_name(facts.index);
 }
 
 void review(const EntryDraft& entry, std::uint32_t permitted, Problems& problems) {
@@ -80,13 +80,13 @@ void review(const EntryDraft& entry, std::uint32_t permitted, Problems& problems
 std::string consequence_of_refusal(CobIdUse use, std::uint16_t index) {
   const std::string number = std::to_string((index & 0x1FF) + 1);
   switch (use) {
-    case CobIdUse::sync: return "SYNC is neither sent nor heard";
-    case CobIdUse::time: return "TIME is neither sent nor heard";
+    case CobIdUse::sync: return "SYNC is neither sent nor received";
+    case CobIdUse::time: return "TIME is neither sent nor received";
     case CobIdUse::emcy: return "EMCY is not sent";
-    case CobIdUse::emcy_consumer: return "that EMCY is not heard";
+    case CobIdUse::emcy_consumer: return "that EMCY is not received";
     case CobIdUse::sdo_server: return "the SDO server does not exist";
     case CobIdUse::sdo_client: return "the SDO client does not exist";
-    case CobIdUse::rpdo: return "RPDO" + number + " is not heard";
+    case CobIdUse::rpdo: return "RPDO" + number + " is not received";
     case CobIdUse::tpdo: return "TPDO" + number + " is not sent";
     case CobIdUse::none: break;
   }

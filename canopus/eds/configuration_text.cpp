@@ -30,7 +30,7 @@ std::expected<ValuePlace, std::string> value_place(const IniText& file, const De
   if (object == nullptr) return std::unexpected("the file has no object " + object_name(index));
   const EntryFacts* facts = device.find_facts(index, sub);
   if (facts == nullptr || !device.dictionary->find(index, sub)) {
-    return std::unexpected("the file has no sub-index " + object_name(index, sub));
+    return std::unexpected("the file has no sub-index " + object_text(index, sub));
   }
   std::string head;
   for (const std::string& section : file.sections()) {
@@ -54,7 +54,7 @@ std::expected<ValuePlace, std::string> value_place(const IniText& file, const De
       return ValuePlace{head, "ParameterValue", false};
     }
   }
-  return std::unexpected("the file has no section for " + object_name(index, sub) +
+  return std::unexpected("the file has no section for " + object_text(index, sub) +
                          ", so no place for its value");
 }
 
@@ -106,19 +106,19 @@ std::string value_problem(const canopen::DictionaryDescription& dictionary, cons
   item.key = key;
   item.value = value;
   const auto read = read_value(type, {problems, item, entry.index, entry.sub});
-  for (const Problem& problem : problems.take()) {
+  for (const Problem& problem : problems.release()) {
     if (problem.severity == Problem::Severity::note) continue;
     return problem.message.substr(0, problem.message.find(": taken as")) + expected_range(type);
   }
   if (!read)
-    return '"' + printable(value) + "\" is no value of " + object_name(entry.index, entry.sub) +
+    return '"' + printable(value) + "\" is no value of " + object_text(entry.index, entry.sub) +
            expected_range(type);
   const canopen::Limits& limits = dictionary.limits(entry);
   if (read->adds_node_id || !is_number(type)) return {};
   const std::uint64_t number = pattern(type, read->bytes);
   const bool is_low = limits.low && less(type, number, *limits.low);
   if (!is_low && !(limits.high && less(type, *limits.high, number))) return {};
-  return item.key + '=' + printable(value) + " of " + object_name(entry.index, entry.sub) + " is " +
+  return item.key + '=' + printable(value) + " of " + object_text(entry.index, entry.sub) + " is " +
          (is_low ? "below its LowLimit" : "above its HighLimit");
 }
 
@@ -135,7 +135,7 @@ std::string commissioning_problem(const Commissioning& commissioning) {
 }
 
 Done set_parameter_value(IniText& file, std::uint16_t index, std::uint8_t sub, std::string_view value) {
-  if (trim(value).empty()) return std::unexpected("no value is given for " + object_name(index, sub));
+  if (trim(value).empty()) return std::unexpected("no value is given for " + object_text(index, sub));
   const std::string text = file.text();
   if (is_xml(text)) return std::unexpected(std::string(xml_is_no_ini));
   const ReadResult read = read_device_file(text);

@@ -6,10 +6,10 @@
 #include "canopus/can/little_endian.hpp"
 #include "canopus/eds/communication_defaults.hpp"
 #include "canopus/eds/device_sections.hpp"
-#include "canopus/eds/modules.hpp"
+#include "canopus/eds/foreign_files.hpp"
 #include "canopus/eds/object_lists.hpp"
 #include "canopus/eds/object_reader.hpp"
-#include "canopus/eds/pdo_review.hpp"
+#include "canopus/eds/user_types.hpp"
 #include "canopus/eds/words.hpp"
 #include "canopus/eds/xdd.hpp"
 
@@ -30,9 +30,9 @@ Draft read_objects(const ObjectSectionMap& sections, Problems& problems) {
   for (const auto& [index, object] : sections) {
     if (sub_indexes > most_sub_indexes) {
       const Section* section = object.head != nullptr ? object.head : nullptr;
-      problems.warning(section != nullptr ? section->line : 1,
-                       "more than " + std::to_string(most_sub_indexes) +
-                           " sub-indexes: " + object_name(index) + " and all above are left out");
+      problems.loss(section != nullptr ? section->line : 1, "more than " + std::to_string(most_sub_indexes) +
+                                                                " sub-indexes: " + object_name(index) +
+                                                                " and all above are left out");
       break;
     }
     read_object(draft, index, object, problems);
@@ -102,12 +102,12 @@ void compare_identity(Draft& draft, const DeviceFile& device, const Section* inf
       entry->set_number(*part.number);
       if (*part.number != 0 && !is_made) {
         problems.note(entry->facts.line,
-                      object_name(0x1018, part.sub) + " has no value: taken from " + std::string(part.key));
+                      object_text(0x1018, part.sub) + " has no value: taken from " + std::string(part.key));
       }
     } else if (entry->number() != *part.number) {
       const bool says_nothing = *part.number == 0 || *part.number == 0xFFFF'FFFF;
       problems.report(says_nothing ? Severity::note : Severity::warning, entry->value_line,
-                      object_name(0x1018, part.sub) + " is " + std::to_string(entry->number()) + ", but " +
+                      object_text(0x1018, part.sub) + " is " + std::to_string(entry->number()) + ", but " +
                           std::string(part.key) + " in [" + (info == nullptr ? "DeviceInfo" : info->name) +
                           "] is " + std::to_string(*part.number) + ": the object counts");
     }
@@ -141,7 +141,7 @@ void review_configuration(const Draft& draft, const DeviceFile& device, Problems
     for (const auto& [sub, entry] : object.subs) {
       if (!entry.facts.configured) continue;
       problems.repeated(Severity::note, "configured", entry.value_line,
-                        object_name(index, sub) +
+                        object_text(index, sub) +
                             " has a ParameterValue, which counts, but the file has no " +
                             "[DeviceComissioning]");
     }
@@ -179,6 +179,7 @@ void join_alike_members(ObjectDraft& object) {
                        first.facts.object_flags == entry.facts.object_flags &&
                        first.facts.configured == entry.facts.configured &&
                        first.facts.denotation == entry.facts.denotation &&
+                       first.facts.description == entry.facts.description &&
                        first.facts.upload_file == entry.facts.upload_file &&
                        first.facts.download_file == entry.facts.download_file;
     if (!alike) return;
@@ -188,7 +189,7 @@ void join_alike_members(ObjectDraft& object) {
 }
 
 /// The draft is used up.
-void build(Draft& draft, DeviceFile& device) {
+void build(Draft& draft, DeviceFile& device, Problems& problems) {
   canopen::DictionaryBuilder builder;
   std::vector<EntryFacts> facts;
   std::size_t limits = 0;
@@ -199,7 +200,11 @@ void build(Draft& draft, DeviceFile& device) {
       entry.facts.sub = sub;
       facts.push_back(std::move(entry.facts));
       if (!entry.spec.limits.low && !entry.spec.limits.high) continue;
-      if (++limits > most_limits) entry.spec.limits = {};
+      if (++limits <= most_limits) continue;
+      entry.spec.limits = {};
+      problems.repeated(Severity::loss, "too many limits", facts.back().line,
+                        "more than " + std::to_string(most_limits) + " sub-indexes with limits: those of " +
+                            object_text(index, sub) + " are left out");
     }
     if (!object.is_structured()) {
       canopen::EntrySpec spec = std::move(object.subs.begin()->second.spec);
@@ -224,6 +229,9 @@ void build(Draft& draft, DeviceFile& device) {
 void refuse(std::string_view text, const IniFile& file, Problems& problems) {
   if (trim(text).empty() || text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
     problems.error(1, "the file is empty");
+  } else if (const std::string_view kind = foreign_kind(text, file); !kind.empty()) {
+    problems.error(1,
+                   "this is " + std::string(kind) + " and no device file of CANopen (EDS, DCF, XDD or XDC)");
   } else if (file.sections().empty()) {
     problems.error(file.first_strange_line(), "this is not an EDS or DCF: there is not one [section]");
   } else {
@@ -243,9 +251,9 @@ std::optional<IniFile> read_ini(std::string_view text, Problems& problems) {
 ReadResult read_device_file(std::string_view text) {
   Problems problems;
   const bool is_xdd = is_xml(text);
-  const std::optional<IniFile> read = is_xdd ? read_xdd(text, problems) : read_ini(text, problems);
-  if (!read) return {nullptr, problems.take()};
-  const IniFile& file = *read;
+  std::optional<IniFile> read = is_xdd ? read_xdd(text, problems) : read_ini(text, problems);
+  if (!read) return {nullptr, problems.release()};
+  const IniFile file = with_base_types(*std::move(read), problems);
   const ObjectSectionMap sections = find_object_sections(file, "", problems);
   Draft draft = read_objects(sections, problems);
   if (draft.empty()) {
@@ -254,7 +262,7 @@ ReadResult read_device_file(std::string_view text) {
     } else {
       refuse(text, file, problems);
     }
-    return {nullptr, problems.take()};
+    return {nullptr, problems.release()};
   }
 
   auto device = std::make_shared<DeviceFile>();
@@ -274,10 +282,11 @@ ReadResult read_device_file(std::string_view text) {
   review_restricted_identifiers(draft, problems);
   review_mappings(draft, device->dummy_usage, problems);
   review_configuration(draft, *device, problems);
+  report_unread(file, problems);
   note_unknown_sections(file, problems);
-  build(draft, *device);
+  build(draft, *device, problems);
   compare_pdo_counts(*device, lines, problems);
-  return {std::move(device), problems.take()};
+  return {std::move(device), problems.release()};
 }
 
 const EntryFacts* DeviceFile::find_facts(std::uint16_t index, std::uint8_t sub) const noexcept {

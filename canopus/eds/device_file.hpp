@@ -20,7 +20,9 @@ namespace canopus::eds {
 /// Something about a file that is not as it should be.
 struct Problem {
   enum class Severity : std::uint8_t {
-    error,    ///< the file, or a value in it, cannot be used
+    error,  ///< the file cannot be used
+    loss,  ///< something in the file that matters for communication is not in the device: an object, value, type, limit or
+           ///< mapping was left out or replaced
     warning,  ///< repaired: the file contradicts itself or [CiA 306], and a reading was chosen
     note,     ///< unusual, harmless
   };
@@ -30,7 +32,7 @@ struct Problem {
   std::string message;  ///< without file name and line: "DefaultValue=0x1FF does not fit UNSIGNED8: ..."
 };
 
-/// "error", "warning", "note".
+/// "error", "loss", "warning", "note".
 [[nodiscard]] std::string_view name(Problem::Severity severity) noexcept;
 
 /// [FileInfo]; empty or 0 where the file has no value.
@@ -121,6 +123,8 @@ struct EntryFacts {
   bool configured = false;         ///< a DCF gives it a ParameterValue to download
   RareText default_text;           ///< of a configured one: its DefaultValue as the file writes it
   RareText denotation;             ///< the application's name for it
+  RareText description;            ///< what it is for, in sentences; may have line ends
+  RareText object_description;     ///< in sub-index 00H of an ARRAY or RECORD: that of the whole object
   RareText upload_file;            ///< DOMAIN: receives what is read
   RareText download_file;          ///< DOMAIN: is written to the device
 };
@@ -180,6 +184,10 @@ struct DeviceFile {
 struct ReadResult {
   std::shared_ptr<const DeviceFile> file;  ///< null: refused, and problems[0] is the error
   std::vector<Problem> problems;           ///< worst first, then by line; every one has a line
+
+  [[nodiscard]] bool has_losses() const noexcept {
+    return !problems.empty() && file != nullptr && problems.front().severity == Problem::Severity::loss;
+  }
 };
 
 /// Reads an EDS, DCF, XDD or XDC; the content decides which. A refusal is the only failure.

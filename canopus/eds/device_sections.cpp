@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "canopus/can/controller.hpp"
 #include "canopus/eds/draft.hpp"
 #include "canopus/eds/number.hpp"
 #include "canopus/eds/value.hpp"
@@ -16,7 +17,9 @@ using Severity = Problem::Severity;
 /// One section, read key by key; keys may be misspelt.
 class SectionReader {
  public:
-  SectionReader(const Section& section, Problems& problems) : section_(section), problems_(problems) {}
+  /// `unreadable`: what a value that is no number is.
+  SectionReader(const Section& section, Problems& problems, Severity unreadable = Severity::warning)
+      : section_(section), problems_(problems), unreadable_(unreadable) {}
 
   [[nodiscard]] const Item* find(std::string_view key) const {
     const Item* item = section_.find(key);
@@ -39,7 +42,8 @@ class SectionReader {
   unsigned number(std::string_view key, T& value) const {
     const Item* item = find(key);
     if (item == nullptr) return section_.line;
-    if (const auto given = read_unsigned(section_, *item, std::numeric_limits<T>::max(), problems_)) {
+    if (const auto given =
+            read_unsigned(section_, *item, std::numeric_limits<T>::max(), problems_, unreadable_)) {
       value = static_cast<T>(*given);
     }
     return item->line;
@@ -48,8 +52,8 @@ class SectionReader {
     std::uint32_t given = 0;
     const Item* item = find(key);
     if (item == nullptr) return;
-    if (const auto read =
-            read_unsigned(section_, *item, std::numeric_limits<std::uint32_t>::max(), problems_)) {
+    if (const auto read = read_unsigned(section_, *item, std::numeric_limits<std::uint32_t>::max(), problems_,
+                                        unreadable_)) {
       given = static_cast<std::uint32_t>(*read);
       value = given;
     }
@@ -63,10 +67,8 @@ class SectionReader {
  private:
   const Section& section_;
   Problems& problems_;
+  Severity unreadable_;
 };
-
-/// 1..9 in order of the bit rates of BaudRate_N; N in kbit/s.
-constexpr std::uint32_t bit_rates[] = {10, 20, 50, 100, 125, 250, 500, 800, 1000};
 
 }  // namespace
 
@@ -106,10 +108,10 @@ DeviceInfoLines read_device_info(const IniFile& file, DeviceInfo& info, Problems
   reader.number("vendornumber", info.vendor_number);
   reader.number("productnumber", info.product_number);
   reader.number("revisionnumber", info.revision_number);
-  for (const std::uint32_t rate : bit_rates) {
+  for (const std::uint32_t rate : can::bit_rates) {
     bool supported = false;
-    reader.flag("baudrate" + std::to_string(rate), supported);
-    if (supported) info.bit_rates.push_back(rate * 1000);
+    reader.flag("baudrate" + std::to_string(rate / 1000), supported);
+    if (supported) info.bit_rates.push_back(rate);
   }
   reader.flag("simplebootupmaster", info.simple_boot_up_master);
   reader.flag("simplebootupslave", info.simple_boot_up_slave);
@@ -135,21 +137,21 @@ std::optional<Commissioning> read_commissioning(const IniFile& file, Problems& p
     section = file.find_or_misspelt("devicecommissioning", "DeviceComissioning", problems);
   if (section == nullptr) return std::nullopt;
   Commissioning commissioning;
-  const SectionReader reader(*section, problems);
+  const SectionReader reader(*section, problems, Severity::loss);
   std::optional<std::uint32_t> node_id;
   reader.number("nodeid", node_id);
   if (node_id && *node_id >= 1 && *node_id <= 127) {
     commissioning.node_id = static_cast<std::uint8_t>(*node_id);
   } else if (node_id) {
     const Item* item = section->find("nodeid");
-    problems.warning(item != nullptr ? item->line : section->line,
-                     "NodeID=" + std::to_string(*node_id) + " in [" + section->name +
-                         "]: a node-ID is 1 to 127: taken as not given");
+    problems.loss(item != nullptr ? item->line : section->line,
+                  "NodeID=" + std::to_string(*node_id) + " in [" + section->name +
+                      "]: a node-ID is 1 to 127: taken as not given");
   }
   reader.text("nodename", commissioning.node_name);
   std::uint16_t kilobits = 0;
   const unsigned line = reader.number("baudrate", kilobits);
-  if (kilobits != 0 && std::ranges::find(bit_rates, kilobits) == std::end(bit_rates)) {
+  if (kilobits != 0 && std::ranges::find(can::bit_rates, kilobits * 1000U) == std::end(can::bit_rates)) {
     problems.warning(line, "Baudrate=" + std::to_string(kilobits) + " kbit/s is none of CANopen's bit rates");
   }
   commissioning.bit_rate = kilobits * 1000U;
@@ -187,6 +189,27 @@ std::vector<std::string> read_comments(const IniFile& file) {
     if (item.folded_key != "lines") lines.push_back(to_utf8(item.value));
   }
   return lines;
+}
+
+void report_unread(const IniFile& file, Problems& problems) {
+  if (const Section* channels = file.find("dynamicchannels")) {
+    const Item* const segments = channels->find_value("nrofseg");
+    const auto count = segments == nullptr ? std::nullopt : read_number(segments->value);
+    if (segments != nullptr && (!count || count->magnitude != 0)) {
+      problems.loss(
+          segments->line,
+          "[" + channels->name + "]: the dynamic channels of a programmable device (CiA 302) are left out");
+    }
+  }
+  for (const Section& section : file.sections()) {
+    const Item* const mapping = section.find_value("srdomapping");
+    if (mapping == nullptr || !object_section(section.folded_name)) continue;
+    const auto number = read_number(mapping->value);
+    if (number && number->magnitude == 0) continue;
+    problems.loss(mapping->line,
+                  mapping->key + '=' + printable(mapping->value) + " in [" + section.name +
+                      "]: safety-relevant data objects (EN 50325-5) are not known here: left out");
+  }
 }
 
 void note_unknown_sections(const IniFile& file, Problems& problems) {

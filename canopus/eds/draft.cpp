@@ -58,7 +58,7 @@ EntryDraft made_entry(std::string name, canopen::DataType type, canopen::Access 
 
 std::optional<ObjectSection> object_section(std::string_view name) {
   ObjectSection section;
-  const auto take_hex = [&](std::size_t most) -> std::optional<unsigned> {
+  const auto read_hex = [&](std::size_t most) -> std::optional<unsigned> {
     if (name.starts_with("0x")) {
       name.remove_prefix(2);
       section.irregular = true;
@@ -73,13 +73,16 @@ std::optional<ObjectSection> object_section(std::string_view name) {
 
   const std::size_t digits = name.find_first_not_of("0123456789");
   const bool is_short = digits == std::string_view::npos ? name.size() < 4 : digits < 4;
+  const std::size_t hex_digits = name.find_first_not_of("0123456789abcdef");
+  const bool is_type_member = hex_digits != std::string_view::npos && hex_digits >= 2 && hex_digits < 4 &&
+                              name.substr(hex_digits).starts_with("sub");
   const bool has_prefix = name.starts_with("0x");
   const std::size_t before = name.size() - (has_prefix ? 2 : 0);
-  const auto index = take_hex(4);
+  const auto index = read_hex(4);
   if (!index) return std::nullopt;
   const std::size_t used = before - name.size();
-  // Four digits, or fewer when nothing but decimal digits (a data type's [5]): [face] or [dcf] is a word.
-  if (used != 4 && !has_prefix && !(is_short && name.empty())) return std::nullopt;
+  // Four digits, or fewer for a data type: [5], [A0], [A0sub1].
+  if (used != 4 && !has_prefix && !(is_short && name.empty()) && !is_type_member) return std::nullopt;
   section.index = static_cast<std::uint16_t>(*index);
   if (name.starts_with('h')) {
     name.remove_prefix(1);
@@ -92,7 +95,7 @@ std::optional<ObjectSection> object_section(std::string_view name) {
       name.remove_prefix(5);
       section.irregular = true;
     }
-    const auto sub = take_hex(2);
+    const auto sub = read_hex(2);
     if (!sub || !(name.empty() || name == "h")) return std::nullopt;
     section.irregular = section.irregular || !name.empty();
     section.kind = ObjectSection::Kind::sub;

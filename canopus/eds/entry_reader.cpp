@@ -5,7 +5,9 @@
 #include <limits>
 
 #include "canopus/ascii/words.hpp"
+#include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/eds/number.hpp"
+#include "canopus/eds/standard_objects.hpp"
 #include "canopus/eds/value.hpp"
 #include "canopus/eds/words.hpp"
 
@@ -17,10 +19,11 @@ using canopen::DataType;
 using canopen::ObjectCode;
 using Severity = Problem::Severity;
 
-constexpr std::array<std::string_view, 18> object_keys = {
-    "parametername", "objecttype", "datatype",   "accesstype",   "defaultvalue",  "pdomapping",
-    "subnumber",     "lowlimit",   "highlimit",  "objflags",     "compactsubobj", "parametervalue",
-    "denotation",    "paramrefd",  "uploadfile", "downloadfile", "srdomapping",   "objectlinks"};
+constexpr std::array<std::string_view, 19> object_keys = {
+    "parametername", "objecttype",     "datatype",    "accesstype",  "defaultvalue",
+    "pdomapping",    "subnumber",      "lowlimit",    "highlimit",   "objflags",
+    "compactsubobj", "parametervalue", "denotation",  "description", "paramrefd",
+    "uploadfile",    "downloadfile",   "srdomapping", "objectlinks"};
 
 Access read_access(const ObjectKeys& keys, std::uint16_t index, std::uint8_t sub, DataType type,
                    Problems& problems) {
@@ -29,7 +32,7 @@ Access read_access(const ObjectKeys& keys, std::uint16_t index, std::uint8_t sub
     const Access assumed = sub == 0 && type == DataType::unsigned8 ? Access::read_only : Access::read_write;
     if (type != DataType::domain) {  // rw is a DOMAIN's default [CiA 306]
       problems.repeated(Severity::warning, "no access", keys.section().line,
-                        object_name(index, sub) + " has no AccessType: taken as " +
+                        object_text(index, sub) + " has no AccessType: taken as " +
                             (assumed == Access::read_only ? "ro" : "rw"));
     }
     return assumed;
@@ -46,7 +49,7 @@ Access read_access(const ObjectKeys& keys, std::uint16_t index, std::uint8_t sub
     }
     return *known;
   }
-  Place{problems, *item, index, sub}.warning("is none of ro wo rw rwr rww const: taken as rw");
+  Place{problems, *item, index, sub}.loss("is none of ro wo rw rwr rww const: taken as rw");
   return Access::read_write;
 }
 
@@ -62,7 +65,7 @@ bool read_mappable(const ObjectKeys& keys, std::uint16_t index, std::uint8_t sub
   if (std::ranges::find(no, word) != std::end(no)) return false;
   const auto number = read_number(item->value);
   if (!number) {
-    place.warning("is neither 0 nor 1: taken as 0");
+    place.loss("is neither 0 nor 1: taken as 0");
     return false;
   }
   if (number->bits() > 1) place.note("PDOMapping is neither 0 nor 1, taken as 1");
@@ -78,9 +81,9 @@ void read_limits(EntryDraft& entry, const ObjectKeys& keys, std::uint16_t index,
   if (low_item != nullptr) limits.low = read_limit(spec.type, {problems, *low_item, index, sub});
   if (high_item != nullptr) limits.high = read_limit(spec.type, {problems, *high_item, index, sub});
   if (limits.low && limits.high && less(spec.type, *limits.high, *limits.low)) {
-    problems.warning(low_item->line,
-                     "LowLimit=" + printable(low_item->value) + " of " + object_name(index, sub) +
-                         " is above HighLimit=" + printable(high_item->value) + ": no limits");
+    problems.loss(low_item->line, "LowLimit=" + printable(low_item->value) + " of " +
+                                      object_text(index, sub) +
+                                      " is above HighLimit=" + printable(high_item->value) + ": no limits");
     return;
   }
   if (entry.has_value && !spec.adds_node_id && (limits.low || limits.high)) {
@@ -88,7 +91,7 @@ void read_limits(EntryDraft& entry, const ObjectKeys& keys, std::uint16_t index,
     const bool is_low = limits.low && less(spec.type, value, *limits.low);
     if (is_low || (limits.high && less(spec.type, *limits.high, value))) {
       const Item& limit = is_low ? *low_item : *high_item;
-      problems.warning(entry.value_line, "the value of " + object_name(index, sub) + " is " +
+      problems.warning(entry.value_line, "the value of " + object_text(index, sub) + " is " +
                                              (is_low ? "below " : "above ") + limit.key + '=' +
                                              printable(limit.value) + " in line " +
                                              std::to_string(limit.line));
@@ -111,6 +114,16 @@ void set_mappable(canopen::EntrySpec& spec) noexcept {
     case Access::read_write_output: spec.rpdo_mappable = true; break;
     case Access::read_write: spec.tpdo_mappable = spec.rpdo_mappable = true; break;
   }
+}
+
+/// Of a PDO: without a value it would get the default of CiA 301, and cut to 32 bits it would be another one, both of which
+/// may be valid.
+bool is_unreadable_pdo_cob_id(DataType type, const Place& place) {
+  using canopen::CobIdUse;
+  const CobIdUse use = canopen::cob_id_use(place.index, place.sub);
+  if (type != DataType::unsigned32 || (use != CobIdUse::rpdo && use != CobIdUse::tpdo)) return false;
+  const auto number = read_number(place.item.value);
+  return !number || number->negative || number->magnitude >> 32 != 0;
 }
 
 /// Parameters saved by 1010H: writable entries that are neither process data nor a command.
@@ -154,12 +167,12 @@ std::optional<DataType> read_data_type(const ObjectKeys& keys, Problems& problem
   }
   const auto number = read_number(item->value);
   if (!number) {
-    problems.report(Severity::warning, item->line, shown() + " is no data type: taken as not given",
+    problems.report(Severity::loss, item->line, shown() + " is no data type: taken as not given",
                     item->column);
     return std::nullopt;
   }
   if (is_data_type(number->bits())) return static_cast<DataType>(number->bits());
-  problems.report(Severity::warning, item->line, shown() + " is no data type known here: taken as DOMAIN",
+  problems.report(Severity::loss, item->line, shown() + " is no data type known here: taken as DOMAIN",
                   item->column);
   return DataType::domain;
 }
@@ -184,7 +197,15 @@ std::optional<ObjectCode> read_object_code(const ObjectKeys& keys, Problems& pro
 
 void set_value(EntryDraft& entry, const Item& item, std::uint16_t index, std::uint8_t sub,
                Problems& problems) {
-  auto value = read_value(entry.spec.type, {problems, item, index, sub});
+  const Place place{problems, item, index, sub};
+  if (is_unreadable_pdo_cob_id(entry.spec.type, place)) {
+    place.loss("is no COB-ID: the PDO is switched off, 80000000H");
+    entry.set_number(canopen::CobId::invalid_bit);
+    entry.spec.adds_node_id = false;
+    entry.value_line = item.line;
+    return;
+  }
+  auto value = read_value(entry.spec.type, place);
   if (!value) return;
   entry.spec.value = std::move(value->bytes);
   entry.spec.adds_node_id = value->adds_node_id;
@@ -215,11 +236,16 @@ EntryDraft read_entry(const ObjectKeys& keys, std::uint16_t index, std::uint8_t 
   } else if (fallback.type) {
     spec.type = *fallback.type;
     problems.repeated(Severity::note, "no type", section.line,
-                      object_name(index, sub) + " has no DataType: taken as " + std::string(name(spec.type)));
+                      object_text(index, sub) + " has no DataType: taken as " + std::string(name(spec.type)));
+  } else if (const auto standard = standard_type(index, sub)) {
+    spec.type = *standard;
+    problems.repeated(Severity::note, "no type of a standard object", section.line,
+                      object_text(index, sub) + " has no DataType: taken as " + std::string(name(spec.type)) +
+                          ", as CiA " + (index < 0x1F00 || index >= 0x1FA0 ? "301" : "302") + " has it");
   } else {
     spec.type = DataType::unsigned32;
-    problems.repeated(Severity::warning, "no type at all", section.line,
-                      object_name(index, sub) + " has no DataType: taken as UNSIGNED32");
+    problems.repeated(Severity::loss, "no type at all", section.line,
+                      object_text(index, sub) + " has no DataType: taken as UNSIGNED32");
   }
   spec.access = read_access(keys, index, sub, spec.type, problems);
 
@@ -237,8 +263,8 @@ EntryDraft read_entry(const ObjectKeys& keys, std::uint16_t index, std::uint8_t 
   read_limits(entry, keys, index, sub, problems);
   if (read_mappable(keys, index, sub, problems)) {
     if (canopen::is_variable_length(spec.type)) {
-      problems.repeated(Severity::warning, "mappable text", section.line,
-                        object_name(index, sub) + " is of type " + std::string(name(spec.type)) +
+      problems.repeated(Severity::loss, "mappable text", section.line,
+                        object_text(index, sub) + " is of type " + std::string(name(spec.type)) +
                             ", which cannot be mapped into a PDO: PDOMapping is taken as 0");
     } else {
       set_mappable(spec);
@@ -248,9 +274,11 @@ EntryDraft read_entry(const ObjectKeys& keys, std::uint16_t index, std::uint8_t 
 
   if (const Item* item = keys.find("objflags")) {
     entry.facts.object_flags = static_cast<std::uint32_t>(
-        read_unsigned(section, *item, std::numeric_limits<std::uint32_t>::max(), problems).value_or(0));
+        read_unsigned(section, *item, std::numeric_limits<std::uint32_t>::max(), problems, Severity::loss)
+            .value_or(0));
   }
   if (const Item* item = keys.find("denotation")) entry.facts.denotation = to_utf8(item->value);
+  if (const Item* item = keys.find("description")) entry.facts.description = to_utf8(item->value);
   if (const Item* item = keys.find("uploadfile")) entry.facts.upload_file = to_utf8(item->value);
   if (const Item* item = keys.find("downloadfile")) entry.facts.download_file = to_utf8(item->value);
   return entry;

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "canopus/ascii/words.hpp"
+#include "canopus/eds/draft.hpp"
+#include "canopus/eds/encoding.hpp"
 #include "canopus/eds/words.hpp"
 
 namespace canopus::eds {
@@ -50,6 +52,13 @@ IniFile::IniFile(std::string_view text, Problems& problems) {
   } else if (text.starts_with("\xEF\xBB\xBF")) {
     text.remove_prefix(3);
     problems.note(1, "the file begins with a UTF-8 byte order mark: skipped");
+  } else if (!is_utf8(text)) {
+    if (const auto encoding = find_encoding(text)) {
+      converted = decode(text, *encoding).value_or(std::string(text));
+      text = converted;
+      problems.note(
+          1, "bytes that are not UTF-8: read as " + std::string(encoding->name) + " text, as they look");
+    }
   }
   has_bytes_to_skip_ =
       text.find('\0') != std::string_view::npos || text.find('\x1A') != std::string_view::npos;
@@ -90,7 +99,9 @@ void IniFile::read_line(std::string_view line, unsigned number, Problems& proble
     return add_item(line, equals, number, problems);
   }
   if (strange_lines_++ == 0) first_strange_line_ = number;
-  problems.repeated(Severity::warning, "strange line", number,
+  const auto object = current_ == 0 ? std::nullopt : object_section(sections_[current_ - 1].folded_name);
+  const bool is_of_an_object = object && object->index >= 0x1000;
+  problems.repeated(is_of_an_object ? Severity::loss : Severity::warning, "strange line", number,
                     (equals != std::string_view::npos && current_ == 0
                          ? "a key before the first [section]: skipped: \""
                          : "neither [section] nor Key=Value nor ;comment: skipped: \"") +

@@ -44,13 +44,24 @@ std::string name_problem(std::string_view what, std::string_view name, std::stri
 }  // namespace
 
 IniText::IniText(std::string_view text) {
-  const bool is_utf16 = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
-  problem_ = is_utf16 ? "the file is UTF-16 text: save it as 8-bit text"
-                      : size_problem(text.size(), largest_ini_text);
+  problem_ = size_problem(text.size(), largest_ini_text);
+  std::string decoded;
+  if (problem_.empty() && !is_utf8(text)) {
+    if (const auto encoding = find_encoding(text)) {
+      if (auto whole = decode(text, *encoding)) {
+        encoding_ = encoding;
+        decoded = *std::move(whole);
+      } else {
+        problem_ = "the file is not the " + std::string(encoding->name) +
+                   " text that it begins as: save it as UTF-8 text";
+      }
+    }
+  }
   if (!problem_.empty()) {
     tail_ = text;
     return;
   }
+  if (encoding_) text = decoded;
   if (text.starts_with("\xEF\xBB\xBF")) {
     mark_ = text.substr(0, 3);
     text.remove_prefix(3);
@@ -72,14 +83,29 @@ IniText::IniText(std::string_view text) {
   read_places();
 }
 
-std::string IniText::text() const {
+std::string IniText::decoded_text() const {
   std::string result = mark_;
   for (const std::string& line : lines_) result += line;
   return result + tail_;
 }
 
+std::string IniText::text() const {
+  std::string text = decoded_text();
+  return encoding_ ? encode(text, *encoding_).value_or("")
+                   : text;  // encoded() has let in what can be written alone
+}
+
+std::string IniText::encoding_note() const {
+  if (!mark_.empty()) return "the file begins with a UTF-8 byte order mark: skipped";
+  if (encoding_ && !encoding_->is_guess)
+    return "the file is " + std::string(encoding_->name) + " text: converted";
+  if (!encoding_ && is_utf8_) return {};
+  return "bytes that are not UTF-8: read as " +
+         (encoding_ ? std::string(encoding_->name) : std::string("Windows Latin")) + " text";
+}
+
 void IniText::read_places() {
-  const std::string whole = text();
+  const std::string whole = decoded_text();
   is_utf8_ = is_utf8(whole);
   sections_.clear();
   section_names_.clear();
@@ -162,28 +188,52 @@ std::expected<std::string, std::string> IniText::encoded(std::string_view value)
     return std::unexpected(refusal("value", value, "has blanks around it or a line end in it"));
   }
   if (!is_utf8(value)) return std::unexpected(refusal("value", value, "is not UTF-8 text"));
+  const auto lacks = [&](std::string_view encoding) {
+    return std::unexpected(
+        refusal("value", value, "has letters that " + std::string(encoding) + ", as the file is in, lacks"));
+  };
+  if (encoding_ && !encode(value, *encoding_)) return lacks(encoding_->name);
   if (is_utf8_ || is_ascii(value)) return std::string(value);
-  std::string latin;
-  for (std::size_t i = 0; i < value.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(value[i]);
-    if (byte == 0xC2 || byte == 0xC3) {
-      latin += static_cast<char>((byte & 0x03) << 6 | (static_cast<unsigned char>(value[++i]) & 0x3F));
-    } else if (byte < 0x80) {
-      latin += value[i];
-    } else {
-      return std::unexpected(
-          refusal("value", value, "has letters that Windows Latin, as the file is in, lacks"));
-    }
-  }
-  if (to_utf8(latin) != value) {
+  auto latin = to_latin(value);
+  if (!latin) return lacks("Windows Latin");
+  if (to_utf8(*latin) != value) {
     return std::unexpected(
         refusal("value", value, "would be read as UTF-8 in this file of Windows Latin text"));
   }
-  return latin;
+  return *std::move(latin);
+}
+
+std::expected<void, std::string> IniText::accept(IniText changed) {
+  const std::string bytes = changed.text();
+  const auto encoding = is_utf8(bytes) ? std::nullopt : find_encoding(bytes);
+  const auto name_of = [](const std::optional<Encoding>& one) {
+    return one ? one->name : std::string_view();
+  };
+  if (!is_ascii(bytes) && name_of(encoding) != name_of(encoding_)) {
+    return std::unexpected(
+        "with this change the file would be read in another encoding: save it as UTF-8 text before");
+  }
+  *this = std::move(changed);
+  return {};
 }
 
 std::expected<void, std::string> IniText::set(std::string_view section, std::string_view key,
                                               std::string_view value) {
+  if (!is_guessed()) return set_value(section, key, value);
+  IniText changed = *this;
+  if (auto done = changed.set_value(section, key, value); !done) return done;
+  return accept(std::move(changed));
+}
+
+std::expected<void, std::string> IniText::remove(std::string_view section, std::string_view key) {
+  if (!is_guessed()) return remove_lines(section, key);
+  IniText changed = *this;
+  if (auto done = changed.remove_lines(section, key); !done) return done;
+  return accept(std::move(changed));
+}
+
+std::expected<void, std::string> IniText::set_value(std::string_view section, std::string_view key,
+                                                    std::string_view value) {
   if (!problem_.empty()) return std::unexpected(problem_);
   std::expected<std::string, std::string> bytes = encoded(value);
   if (!bytes) return std::unexpected(std::move(bytes.error()));
@@ -238,7 +288,7 @@ void IniText::append_section(std::string_view name, std::string first_line) {
   read_places();
 }
 
-std::expected<void, std::string> IniText::remove(std::string_view section, std::string_view key) {
+std::expected<void, std::string> IniText::remove_lines(std::string_view section, std::string_view key) {
   if (!problem_.empty()) return std::unexpected(problem_);
   if (find(section, key) == nullptr) return {};
   const std::string folded_section = folded(section);

@@ -1,9 +1,8 @@
-#include "canopus/eds/modules.hpp"
-
 #include <algorithm>
 #include <limits>
 #include <set>
 
+#include "canopus/eds/device_sections.hpp"
 #include "canopus/eds/entry_reader.hpp"
 #include "canopus/eds/number.hpp"
 #include "canopus/eds/object_lists.hpp"
@@ -40,7 +39,9 @@ class ModularDevice {
     if (supported == nullptr) return;
     const Item* count = supported->find_value("nrofentries");
     const std::size_t modules =
-        count == nullptr ? 0 : read_unsigned(*supported, *count, most_slots, problems_).value_or(0);
+        count == nullptr
+            ? 0
+            : read_unsigned(*supported, *count, most_slots, problems_, Problem::Severity::loss).value_or(0);
     for (std::size_t module = 1; module <= modules; ++module) read_module_info(module, *supported);
 
     const Section* connected = file_.find("connectedmodules");
@@ -79,12 +80,16 @@ class ModularDevice {
     for (const ListEntry& entry : read_list(connected, "nrofentries", problems_)) {
       const auto type = read_number(entry.item->value);
       if (!type || type->bits() == 0 || type->bits() > device_.modules.size()) {
-        problems_.warning(entry.item->line, entry.item->key + '=' + printable(entry.item->value) + " in [" +
-                                                connected.name + "]: there are modules 1 to " +
-                                                std::to_string(device_.modules.size()) + ": slot left empty");
+        problems_.loss(entry.item->line, entry.item->key + '=' + printable(entry.item->value) + " in [" +
+                                             connected.name + "]: there are modules 1 to " +
+                                             std::to_string(device_.modules.size()) + ": slot left empty");
         continue;
       }
-      if (device_.connected.size() == most_slots) break;
+      if (device_.connected.size() == most_slots) {
+        problems_.loss(entry.item->line, "more than " + std::to_string(most_slots) +
+                                             " modules are plugged in: the others are left out");
+        break;
+      }
       device_.connected.push_back(static_cast<std::uint16_t>(type->magnitude));
     }
   }
@@ -97,8 +102,8 @@ class ModularDevice {
         if (index && index->bits() <= 0xFFFF && objects.contains(static_cast<std::uint16_t>(index->bits()))) {
           continue;
         }
-        problems_.warning(entry.item->line, entry.item->key + '=' + printable(entry.item->value) + " in [" +
-                                                list->name + "]: no section describes it: left out");
+        problems_.loss(entry.item->line, entry.item->key + '=' + printable(entry.item->value) + " in [" +
+                                             list->name + "]: no section describes it: left out");
       }
     }
     for (const auto& [index, sections] : objects) {
@@ -122,6 +127,10 @@ class ModularDevice {
     unsigned count = 1;
     unsigned shared_bits = 0;
     if (const Item* item = section.find_value("count")) {
+      if (!read_number(item->value) && item->value.find(';') == std::string::npos) {
+        problems_.loss(item->line, item->key + '=' + printable(item->value) + " in [" + section.name +
+                                       "] is not a number: taken as 1");
+      }
       if (const auto number = read_number(item->value)) {
         count = static_cast<unsigned>(std::min<std::uint64_t>(number->bits(), most_slots));
       }
@@ -161,11 +170,16 @@ class ModularDevice {
       object.line = section.line;
     }
     if (object.uniform_count != 0 || !object.is_structured()) {
-      problems_.warning(section.line, "[" + section.name + "]: " + object_name(extension.index) +
-                                          " cannot take more sub-indexes");
+      problems_.loss(section.line, "[" + section.name + "]: " + object_name(extension.index) +
+                                       " cannot take more sub-indexes");
       return;
     }
-    if (object.highest_sub() >= most_slots || ++added_subs_ > most_added_subs) return;
+    if (object.highest_sub() >= most_slots || ++added_subs_ > most_added_subs) {
+      problems_.repeated(Problem::Severity::loss, "too many extensions", section.line,
+                         "[" + section.name + "]: " + object_name(extension.index) +
+                             " would have too many sub-indexes: left out");
+      return;
+    }
     const auto sub = static_cast<std::uint8_t>(object.highest_sub() + 1);
     if (!object.subs.contains(0)) {
       object.subs.emplace(std::uint8_t{0}, made_entry("Highest sub-index supported", DataType::unsigned8,

@@ -21,8 +21,9 @@ struct Number {
 };
 
 /// Reads decimal, 0x hexadecimal and 0 octal numbers and $NODEID formulas [CiA 306]; overlooks blanks,
-/// quotes, a comment behind, 1AH and 1A for 0x1A, 8U, 5.0. Nothing when it is no number or has more than 64
-/// bits.
+/// quotes, a comment behind, 1AH and 1A for 0x1A, 8U, 5.0. A formula may be any sum, difference or product of numbers
+/// to which the node-ID is added once, with parentheses: 0x80000000+($NODEID+0x200). Nothing when it is no number, has
+/// more than 64 bits, or depends on the node-ID otherwise ($NODEID*2).
 [[nodiscard]] std::optional<Number> read_number(std::string_view text);
 
 /// Reads a decimal fraction: 1.5, 1,5, -3e-4. Nothing when it is none or goes on behind.

@@ -79,7 +79,7 @@ void check_object_lists(const IniFile& file, const ObjectSectionMap& sections, P
           entry.item->key + '=' + printable(entry.item->value) + " in [" + section->name + ']';
       if (entry.item->value.empty()) continue;
       if (!index || index->negative || index->magnitude > 0xFFFF) {
-        problems.warning(entry.item->line, shown + " is not the index of an object: skipped");
+        problems.loss(entry.item->line, shown + " is not the index of an object: skipped");
         continue;
       }
       auto number = static_cast<std::uint16_t>(index->magnitude);
@@ -93,8 +93,8 @@ void check_object_lists(const IniFile& file, const ObjectSectionMap& sections, P
         }
       }
       if (!sections.contains(number)) {
-        problems.warning(entry.item->line, shown + ": there is no section [" +
-                                               object_name(number).substr(0, 4) + "]: left out");
+        problems.loss(entry.item->line,
+                      shown + ": there is no section [" + object_name(number).substr(0, 4) + "]: left out");
       }
       const auto [place, is_new] = listed.try_emplace(number, entry.item->line);
       if (!is_new) {

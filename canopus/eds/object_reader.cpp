@@ -5,6 +5,7 @@
 
 #include "canopus/ascii/words.hpp"
 #include "canopus/eds/entry_reader.hpp"
+#include "canopus/eds/number.hpp"
 #include "canopus/eds/object_lists.hpp"
 #include "canopus/eds/value.hpp"
 #include "canopus/eds/words.hpp"
@@ -32,6 +33,14 @@ bool counts_in_decimal(const std::map<std::uint8_t, const Section*>& subs) {
     beyond_nine = beyond_nine || sub >= 0x10;
   }
   return beyond_nine;
+}
+
+/// A RECORD may have a structure as its type, such as 20H for PDO communication: its members have types of their own.
+bool has_simple_type(const ObjectKeys& keys) {
+  const Item* item = keys.find("datatype");
+  if (item == nullptr) return false;
+  const auto number = read_number(item->value);
+  return !number || is_data_type(number->bits());
 }
 
 class ObjectReader {
@@ -72,7 +81,7 @@ bool ObjectReader::read(ObjectDraft& object) {
                           : sections_.names != nullptr ? sections_.names
                                                        : sections_.denotations;
     if (list != nullptr) {
-      problems_.warning(list->line, "[" + list->name + "] belongs to no object: skipped");
+      problems_.loss(list->line, "[" + list->name + "] belongs to no object: skipped");
     }
     return false;
   }
@@ -94,21 +103,22 @@ bool ObjectReader::read(ObjectDraft& object) {
   object.name = name_item != nullptr ? to_utf8(name_item->value) : object_name(index_);
   const auto code = read_object_code(keys, problems_);
   if (index_ < 0x1000 || code == ObjectCode::type_definition || code == ObjectCode::null) {
-    problems_.repeated(Severity::note, "no object", object.line,
+    const bool is_object = index_ >= 0x1000 && code == ObjectCode::type_definition;
+    problems_.repeated(is_object ? Severity::loss : Severity::note, "no object", object.line,
                        "[" + sections_.head->name + "] is a data type or NULL object: left out");
     return false;
   }
   std::uint64_t compact = 0;
   std::uint64_t announced = 0;
   if (const Item* item = keys.find("compactsubobj")) {
-    compact = read_unsigned(*sections_.head, *item, 254, problems_).value_or(0);
+    compact = read_unsigned(*sections_.head, *item, 254, problems_, Severity::loss).value_or(0);
   }
   if (const Item* item = keys.find("subnumber")) {
     announced = read_unsigned(*sections_.head, *item, 255, problems_).value_or(0);
   }
   const bool is_structured =
       code == ObjectCode::array || code == ObjectCode::record || code == ObjectCode::structure_definition;
-  const bool has_type = keys.find("datatype") != nullptr;
+  const bool has_type = has_simple_type(keys);
 
   if (compact != 0) {
     object.code = is_structured ? *code : ObjectCode::array;
@@ -133,8 +143,8 @@ bool ObjectReader::read(ObjectDraft& object) {
     read_compact(object, keys, static_cast<std::uint8_t>(announced - 1));
   } else if (is_structured && !has_type) {
     object.code = *code;
-    problems_.warning(object.line, object_name(index_) + " has ObjectType " + std::string(name(*code)) +
-                                       ", but no sub-index is described");
+    problems_.loss(object.line, object_name(index_) + " has ObjectType " + std::string(name(*code)) +
+                                    ", but no sub-index is described: it has none");
   } else {
     if (is_structured) {
       problems_.warning(object.line, object_name(index_) + " has ObjectType " + std::string(name(*code)) +
@@ -159,12 +169,15 @@ bool ObjectReader::read(ObjectDraft& object) {
                            counted(found, "sub-index") + " described");
   }
   complete_highest_sub(object);
+  if (const Item* description = keys.find("description"); description != nullptr && object.subs.contains(0))
+    object.subs.at(0).facts.object_description = to_utf8(description->value);
   return true;
 }
 
 void ObjectReader::read_members(ObjectDraft& object, const ObjectKeys* head) {
   std::optional<DataType> type;
-  if (head != nullptr) type = read_data_type(*head, problems_);
+  if (head != nullptr && (object.code != ObjectCode::record || has_simple_type(*head)))
+    type = read_data_type(*head, problems_);
   const bool decimal = counts_in_decimal(sections_.subs);
   if (decimal) {
     problems_.warning(
@@ -175,7 +188,7 @@ void ObjectReader::read_members(ObjectDraft& object, const ObjectKeys* head) {
     const auto sub = decimal ? static_cast<std::uint8_t>((number >> 4) * 10 + (number & 0xF)) : number;
     if (sub == 0xFF) {
       problems_.repeated(Severity::note, "sub FF", section->line,
-                         object_name(index_, sub) + " (structure of the object) is left out");
+                         object_text(index_, sub) + " (structure of the object) is left out");
       continue;
     }
     const ObjectKeys keys(*section, problems_);
@@ -190,6 +203,7 @@ void ObjectReader::read_members(ObjectDraft& object, const ObjectKeys* head) {
 void ObjectReader::read_compact(ObjectDraft& object, const ObjectKeys& head, std::uint8_t count) {
   object.subs.clear();
   EntryDraft member = read_entry(head, index_, 1, {object.name, std::nullopt}, problems_);
+  member.facts.description = RareText();  // of the object
   EntryDraft zero =
       made_entry(member_name({}, 0), DataType::unsigned8, Access::read_only, count, object.line);
   zero.facts.index = index_;
@@ -230,9 +244,9 @@ void ObjectReader::read_lists(ObjectDraft& object, const ObjectKeys& head, std::
     if (section == nullptr) return;
     for (const ListEntry& entry : read_list(*section, "nrofentries", problems_)) {
       if (entry.key == 0 || entry.key > count) {
-        problems_.warning(entry.item->line, entry.item->key + " in [" + section->name +
-                                                "]: " + object_name(index_) + " has sub-indexes 1.." +
-                                                std::to_string(count));
+        problems_.loss(entry.item->line, entry.item->key + " in [" + section->name +
+                                             "]: " + object_name(index_) + " has sub-indexes 1.." +
+                                             std::to_string(count) + ": left out");
         continue;
       }
       apply(object.subs.at(static_cast<std::uint8_t>(entry.key)), *entry.item);
@@ -281,22 +295,22 @@ void ObjectReader::complete_highest_sub(ObjectDraft& object) {
     if (index_ == 0x1003) return;
     zero->set_number(is_mapping ? mapped_objects(object) : highest);
     problems_.repeated(Severity::note, "no value of sub 0", zero->facts.line,
-                       object_name(index_, 0) + " has no value: taken as " + std::to_string(zero->number()));
+                       object_text(index_, 0) + " has no value: taken as " + std::to_string(zero->number()));
     return;
   }
   const std::uint64_t value = zero->number();
   if (is_mapping && value > highest && value != 0xFE && value != 0xFF) {
-    problems_.warning(zero->value_line, object_name(index_, 0) + " says " + counted(value, "object") +
-                                            " mapped, but only " + std::to_string(highest) +
-                                            " can be: taken as " + std::to_string(highest));
+    problems_.loss(zero->value_line, object_text(index_, 0) + " says " + counted(value, "object") +
+                                         " mapped, but only " + std::to_string(highest) +
+                                         " can be: taken as " + std::to_string(highest));
     zero->set_number(highest);
   } else if (value > highest && highest != 0 && !is_mapping) {
     problems_.repeated(Severity::warning, "sub 0 too high", zero->value_line,
-                       object_name(index_, 0) + " says the highest sub-index is " + std::to_string(value) +
+                       object_text(index_, 0) + " says the highest sub-index is " + std::to_string(value) +
                            ", but the highest described is " + std::to_string(highest));
   } else if (value < highest && !is_mapping && index_ != 0x1003 && !canopen::is_writable(zero->spec.access)) {
     problems_.repeated(Severity::note, "sub 0 too low", zero->value_line,
-                       object_name(index_, 0) + " says the highest sub-index is " + std::to_string(value) +
+                       object_text(index_, 0) + " says the highest sub-index is " + std::to_string(value) +
                            ", but " + std::to_string(highest) + " is described");
   }
 }

@@ -1,9 +1,8 @@
-#include "canopus/eds/pdo_review.hpp"
-
 #include <algorithm>
 #include <bit>
 #include <string>
 
+#include "canopus/eds/device_sections.hpp"
 #include "canopus/eds/words.hpp"
 
 namespace canopus::eds {
@@ -93,16 +92,16 @@ class MappingReview {
     for (std::uint64_t sub = 1; sub <= entries; ++sub) {
       EntryDraft* entry = mapping.find(static_cast<std::uint8_t>(sub));
       if (entry == nullptr) {
-        problems_.warning(count->value_line, name() + " maps " + counted(entries, "object") +
-                                                 ", but its mapping entry " + std::to_string(sub) +
-                                                 " is not described");
+        problems_.loss(count->value_line, name() + " maps " + counted(entries, "object") +
+                                              ", but its mapping entry " + std::to_string(sub) +
+                                              " is not described");
         return;
       }
       review(*entry, static_cast<std::uint32_t>(entry->number()));
       bits += entry->number() & 0xFF;
     }
     if (bits > 64) {
-      problems_.warning(mapping.line, name() + " maps " + std::to_string(bits) + " bits: a PDO holds 64");
+      problems_.loss(mapping.line, name() + " maps " + std::to_string(bits) + " bits: a PDO holds 64");
     }
   }
 
@@ -138,7 +137,7 @@ class MappingReview {
     }
     if (index < 0x20 && is_data_type(index)) {
       if (transmit_) {
-        problems_.warning(line, name() + " maps " + object_name(index, sub) + ": dummies are for RPDOs");
+        problems_.loss(line, name() + " maps " + object_text(index, sub) + ": dummies are for RPDOs");
       } else if ((dummy_usage_ >> index & 1) == 0) {
         problems_.repeated(Severity::warning, "dummy", line,
                            name() + " maps the dummy " + object_name(index) +
@@ -148,26 +147,26 @@ class MappingReview {
     }
     EntryDraft* target = find(draft_, index, sub);
     if (target == nullptr) {
-      problems_.warning(line, name() + " maps " + object_name(index, sub) + ", which does not exist");
+      problems_.loss(line, name() + " maps " + object_text(index, sub) + ", which does not exist");
       return;
     }
     canopen::EntrySpec& spec = target->spec;
     const unsigned wanted = canopen::bit_length(spec.type);
     if (wanted == 0) {
-      problems_.warning(line, name() + " maps " + object_name(index, sub) + ", a " +
-                                  std::string(eds::name(spec.type)) + ", which has no fixed length");
+      problems_.loss(line, name() + " maps " + object_text(index, sub) + ", a " +
+                               std::string(eds::name(spec.type)) + ", which has no fixed length");
       return;
     }
     if (length != wanted && !(spec.type == DataType::boolean && length == 8)) {
-      problems_.warning(line, name() + " maps " + object_name(index, sub) + " with " +
-                                  std::to_string(length) + " bits, it has " + std::to_string(wanted));
+      problems_.loss(line, name() + " maps " + object_text(index, sub) + " with " + std::to_string(length) +
+                               " bits, it has " + std::to_string(wanted));
     }
     bool& mappable = transmit_ ? spec.tpdo_mappable : spec.rpdo_mappable;
     if (mappable) return;
     mappable = true;
     spec.stored = false;
     problems_.repeated(Severity::warning, transmit_ ? "made T mappable" : "made R mappable", line,
-                       name() + " maps " + object_name(index, sub) + " by default, but its PDOMapping and " +
+                       name() + " maps " + object_text(index, sub) + " by default, but its PDOMapping and " +
                            "AccessType (line " + std::to_string(target->facts.line) + ") forbid it: allowed");
   }
 
@@ -209,7 +208,7 @@ void repair_cob_ids(Draft& draft, Problems& problems) {
     entry->spec.adds_node_id = true;
     problems.repeated(
         Severity::warning, "no node-ID", entry->value_line,
-        "the COB-ID " + object_name(index, sub) + " would be the same in every node: $NODEID is added");
+        "the COB-ID " + object_text(index, sub) + " would be the same in every node: $NODEID is added");
   };
   for (const bool transmit : {false, true}) {
     for (std::uint16_t number = 0; number < 4; ++number) {

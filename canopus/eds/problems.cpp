@@ -15,6 +15,7 @@ constexpr std::size_t most_problems = 2000;  // of a file made to annoy; real on
 std::string_view name(Problem::Severity severity) noexcept {
   switch (severity) {
     case Problem::Severity::error: return "error";
+    case Problem::Severity::loss: return "loss";
     case Problem::Severity::warning: return "warning";
     case Problem::Severity::note: return "note";
   }
@@ -23,6 +24,7 @@ std::string_view name(Problem::Severity severity) noexcept {
 
 void Problems::report(Severity severity, unsigned line, std::string message, unsigned column) {
   if (severity != Severity::error && list_.size() >= most_problems) {
+    not_listed_loss_ = not_listed_loss_ || severity == Severity::loss;
     ++not_listed_;
     return;
   }
@@ -31,6 +33,7 @@ void Problems::report(Severity severity, unsigned line, std::string message, uns
 
 void Problems::repeated(Severity severity, const std::string& kind, unsigned line, std::string message,
                         unsigned column) {
+  if (severity == Severity::loss) return report(severity, line, std::move(message), column);
   const auto [place, is_new] = repeated_.try_emplace(kind, Repeated{list_.size()});
   if (!is_new) {
     ++place->second.more;
@@ -41,15 +44,15 @@ void Problems::repeated(Severity severity, const std::string& kind, unsigned lin
   if (list_.size() == before) repeated_.erase(place);  // over the limit
 }
 
-std::vector<Problem> Problems::take() {
+std::vector<Problem> Problems::release() {
   for (const auto& [kind, repeated] : repeated_) {
     if (repeated.more == 0) continue;
     list_[repeated.position].message += " (and in " + counted(repeated.more, "more place") + ")";
   }
   repeated_.clear();
   if (not_listed_ != 0) {
-    list_.push_back(
-        {Severity::note, list_.back().line, 0, counted(not_listed_, "further problem") + " not listed"});
+    list_.push_back({not_listed_loss_ ? Severity::loss : Severity::note, list_.back().line, 0,
+                     counted(not_listed_, "further problem") + " not listed"});
   }
   std::stable_sort(list_.begin(), list_.end(), [](const Problem& a, const Problem& b) {
     return std::pair(a.severity, a.line) < std::pair(b.severity, b.line);
@@ -73,12 +76,6 @@ std::string printable(std::string_view text) {
     shown += byte < 0x20 || byte == 0x7F ? '?' : c;
   }
   return shown;
-}
-
-std::string counted(std::size_t count, std::string_view what) {
-  std::string text = std::to_string(count) + ' ' + std::string(what);
-  if (count != 1) text += text.back() == 'x' ? "es" : "s";
-  return text;
 }
 
 }  // namespace canopus::eds

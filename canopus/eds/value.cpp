@@ -60,20 +60,20 @@ std::optional<Value> integer_value(DataType type, const Place& place) {
       place.note("true or false for 1 or 0");
       return Value{little_endian(word == "true" ? 1 : 0, byte_length(type))};
     }
-    place.warning("is not a number: taken as not given");
+    place.loss("is not a number: taken as not given");
     return std::nullopt;
   }
   Value value{{}, number->adds_node_id};
   std::uint64_t raw = number->bits();
   if (type == DataType::boolean) {
     if (raw > 1) {
-      place.warning("is neither 0 nor 1: taken as 1");
+      place.loss("is neither 0 nor 1: taken as 1");
       raw = 1;
     }
   } else if (!fits(*number, type)) {
     const std::uint64_t cut = bits == 64 ? raw : raw & ((std::uint64_t{1} << bits) - 1);
     const std::string message = "does not fit " + std::string(name(type)) + ": taken as " + hex_text(cut);
-    place.warning(message);
+    place.loss(message);
     raw = cut;
   }
   value.bytes = little_endian(raw, byte_length(type));
@@ -102,12 +102,12 @@ std::optional<double> real_number(DataType type, const Place& place) {
 std::optional<Value> real_value(DataType type, const Place& place) {
   const auto real = real_number(type, place);
   if (!real) {
-    place.warning("is neither a number nor a bit pattern: taken as not given");
+    place.loss("is neither a number nor a bit pattern: taken as not given");
     return std::nullopt;
   }
   if (type == DataType::real64) return Value{little_endian(std::bit_cast<std::uint64_t>(*real), 8)};
   if (std::isfinite(*real) && std::abs(*real) > static_cast<double>(std::numeric_limits<float>::max())) {
-    place.warning("does not fit REAL32: taken as not given");
+    place.loss("does not fit REAL32: taken as not given");
     return std::nullopt;
   }
   return Value{little_endian(std::bit_cast<std::uint32_t>(static_cast<float>(*real)), 4)};
@@ -181,18 +181,18 @@ std::optional<Value> time_value(const Place& place) {
   } else if (const auto number = read_number(text); number && number->bits() >> 48 == 0) {
     return Value{little_endian(number->bits(), 6)};
   }
-  place.warning("is not \"days milliseconds\": taken as not given");
+  place.loss("is not \"days milliseconds\": taken as not given");
   return std::nullopt;
 }
 
 }  // namespace
 
 std::string Place::quoted() const {
-  return item.key + '=' + printable(item.value) + " of " + object_name(index, sub);
+  return item.key + '=' + printable(item.value) + " of " + object_text(index, sub);
 }
 
-void Place::warning(std::string_view message) const {
-  problems.report(Problem::Severity::warning, item.line, quoted() + ' ' + std::string(message), item.column);
+void Place::report(Problem::Severity severity, std::string_view message) const {
+  problems.report(severity, item.line, quoted() + ' ' + std::string(message), item.column);
 }
 
 void Place::note(std::string_view kind) const {
@@ -256,32 +256,34 @@ std::optional<std::uint64_t> read_limit(DataType type, const Place& place) {
     if (const auto real = real_number(type, place); real && !std::isnan(*real)) {
       return std::bit_cast<std::uint64_t>(*real);
     }
-    place.warning("is neither a number nor a bit pattern: no limit");
+    place.loss("is neither a number nor a bit pattern: no limit");
     return std::nullopt;
   }
   const auto number = number_of(place);
   if (!number) {
-    place.warning("is not a number: no limit");
+    place.loss("is not a number: no limit");
     return std::nullopt;
   }
   if (number->adds_node_id) {
-    place.note("a limit that depends on the node-ID is not watched");
+    place.loss("depends on the node-ID: no limit");
     return std::nullopt;
   }
   if (!fits(*number, type)) {
-    const std::string message = "is outside " + std::string(name(type)) + ": no limit";
-    place.warning(message);
+    // A highest value above all of the type, or a lowest one below them, would keep nothing out.
+    const bool is_without_effect = (place.item.folded_key == "lowlimit") == number->negative;
+    place.report(is_without_effect ? Problem::Severity::warning : Problem::Severity::loss,
+                 "is outside " + std::string(name(type)) + ": no limit");
     return std::nullopt;
   }
   return is_signed(type) ? sign_extended(number->bits(), bit_length(type)) : number->bits();
 }
 
 std::optional<std::uint64_t> read_unsigned(const Section& section, const Item& item, std::uint64_t highest,
-                                           Problems& problems) {
+                                           Problems& problems, Problem::Severity severity) {
   const auto number = read_number(item.value);
   const std::string shown = item.key + '=' + printable(item.value) + " in [" + section.name + ']';
   if (!number || number->negative || number->adds_node_id || number->magnitude > highest) {
-    problems.report(Problem::Severity::warning, item.line,
+    problems.report(severity, item.line,
                     shown + (number ? " is outside 0.." + std::to_string(highest) : " is not a number") +
                         ": taken as not given",
                     item.column);

@@ -20,9 +20,11 @@ struct Place {
   std::uint16_t index = 0;
   std::uint8_t sub = 0;
 
-  /// "DefaultValue=0x1FF of 1018H:01".
+  /// "DefaultValue=0x1FF of 1018:01".
   [[nodiscard]] std::string quoted() const;
-  void warning(std::string_view message) const;
+  void warning(std::string_view message) const { report(Problem::Severity::warning, message); }
+  void loss(std::string_view message) const { report(Problem::Severity::loss, message); }
+  void report(Problem::Severity severity, std::string_view message) const;
   /// A note that is reported once for all places of its kind.
   void note(std::string_view kind) const;
 };
@@ -32,17 +34,18 @@ struct Value {
   bool adds_node_id = false;
 };
 
-/// A DefaultValue or ParameterValue. Nothing, after a warning, when it cannot be read.
+/// A DefaultValue or ParameterValue. Nothing, after a loss, when it cannot be read.
 [[nodiscard]] std::optional<Value> read_value(canopen::DataType type, const Place& place);
 
-/// A LowLimit or HighLimit in the form of canopen::Limits. Nothing when it cannot be used, and (without a
-/// warning) for types that have no order.
+/// A LowLimit or HighLimit in the form of canopen::Limits. Nothing when it cannot be used, which is a loss, and for types
+/// that have no order.
 [[nodiscard]] std::optional<std::uint64_t> read_limit(canopen::DataType type, const Place& place);
 
-/// A plain unsigned number of a key such as SubNumber; `highest` limits it. Nothing, after a warning, when it
-/// is none or too large.
-[[nodiscard]] std::optional<std::uint64_t> read_unsigned(const Section& section, const Item& item,
-                                                         std::uint64_t highest, Problems& problems);
+/// A plain unsigned number of a key such as SubNumber; `highest` limits it. Nothing, after a problem of this severity,
+/// when it is none or too large.
+[[nodiscard]] std::optional<std::uint64_t> read_unsigned(
+    const Section& section, const Item& item, std::uint64_t highest, Problems& problems,
+    Problem::Severity severity = Problem::Severity::warning);
 
 /// A value as a device file writes it, so that read_value() gives these bytes again: 7, 0x0191, $NODEID+0x180, octets
 /// as pairs of hexadecimal digits, text as it is (in quotes where it has blanks at its ends). Nothing: bytes that are

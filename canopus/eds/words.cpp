@@ -8,6 +8,7 @@
 
 #include "canopus/ascii/words.hpp"
 #include "canopus/eds/device_file.hpp"
+#include "canopus/eds/encoding.hpp"
 
 namespace canopus::eds {
 namespace {
@@ -183,20 +184,7 @@ bool is_utf8(std::string_view text) noexcept {
   return true;
 }
 
-std::string to_utf8(std::string_view text) {
-  if (is_utf8(text)) return std::string(text);
-  std::string result;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x80) {
-      result += c;
-    } else {
-      result += static_cast<char>(0xC0 | (byte >> 6));
-      result += static_cast<char>(0x80 | (byte & 0x3F));
-    }
-  }
-  return result;
-}
+std::string to_utf8(std::string_view text) { return is_utf8(text) ? std::string(text) : from_latin(text); }
 
 std::string from_utf16(std::string_view text, bool big_endian) {
   std::string result;

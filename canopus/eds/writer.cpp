@@ -1,11 +1,11 @@
 #include "canopus/eds/writer.hpp"
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <vector>
 
 #include "canopus/ascii/hex.hpp"
+#include "canopus/can/controller.hpp"
 #include "canopus/can/little_endian.hpp"
 #include "canopus/eds/problems.hpp"
 #include "canopus/eds/value.hpp"
@@ -73,6 +73,9 @@ class Writer {
       count += dictionary_.find(object, static_cast<std::uint8_t>(sub)) ? 1U : 0U;
     }
     key("SubNumber", count);
+    const EntryFacts* facts = device_ == nullptr ? nullptr : device_->find_facts(object.index, 0);
+    if (facts != nullptr && !facts->object_description.empty())
+      key("Description", facts->object_description.text());
     end();
     for (unsigned sub = 0; sub <= object.highest_sub; ++sub) {
       const Entry found = dictionary_.find(object, static_cast<std::uint8_t>(sub));
@@ -86,8 +89,8 @@ class Writer {
     }
   }
 
-  std::string take() { return std::move(text_); }
-  std::vector<std::string> take_warnings() { return std::move(warnings_); }
+  std::string release() { return std::move(text_); }
+  std::vector<std::string> release_warnings() { return std::move(warnings_); }
 
  private:
   static Kind kind_of(std::uint16_t index) {
@@ -99,7 +102,7 @@ class Writer {
 
   void entry(const Entry& entry) {
     const EntryFacts* facts = device_ == nullptr ? nullptr : device_->find_facts(entry.index, entry.sub);
-    place_ = object_name(entry.index, entry.sub);
+    place_ = object_text(entry.index, entry.sub);
     key("DataType", "0x" + hex(static_cast<unsigned>(entry.description->type), 4));
     key("AccessType", name(entry.description->access));
     const canopen::Limits& limits = dictionary_.limits(entry);
@@ -122,6 +125,7 @@ class Writer {
   void write_facts(const EntryFacts& facts) {
     if (facts.object_flags != 0) key("ObjFlags", "0x" + hex(facts.object_flags, 1));
     const std::pair<std::string_view, const std::string&> texts[] = {{"Denotation", facts.denotation},
+                                                                     {"Description", facts.description},
                                                                      {"UploadFile", facts.upload_file},
                                                                      {"DownloadFile", facts.download_file}};
     for (const auto& [name, text] : texts) {
@@ -165,7 +169,7 @@ void write_file_info(Writer& writer, const FileInfo& file) {
 }
 
 void write_device_info(Writer& writer, const DeviceInfo& device) {
-  constexpr std::array known_rates{10U, 20U, 50U, 125U, 250U, 500U, 800U, 1000U};
+  constexpr std::uint32_t not_of_the_format = 100'000;  // but devices have it
   writer.section("DeviceInfo");
   writer.key("VendorName", device.vendor_name);
   writer.key("VendorNumber", "0x" + hex(device.vendor_number.value_or(0), 8));
@@ -173,13 +177,14 @@ void write_device_info(Writer& writer, const DeviceInfo& device) {
   writer.key("ProductNumber", "0x" + hex(device.product_number.value_or(0), 8));
   writer.key("RevisionNumber", "0x" + hex(device.revision_number.value_or(0), 8));
   writer.key("OrderCode", device.order_code);
-  const auto is_supported = [&](unsigned kbps) {
-    return std::ranges::find(device.bit_rates, kbps * 1000) != device.bit_rates.end();
+  const auto is_supported = [&](std::uint32_t rate) {
+    return std::ranges::find(device.bit_rates, rate) != device.bit_rates.end();
   };
-  for (const unsigned kbps : known_rates) {
-    writer.key("BaudRate_" + std::to_string(kbps), is_supported(kbps) ? 1U : 0U);
+  for (const std::uint32_t rate : can::bit_rates) {
+    if (rate != not_of_the_format)
+      writer.key("BaudRate_" + std::to_string(rate / 1000), is_supported(rate) ? 1U : 0U);
   }
-  if (is_supported(100)) writer.key("BaudRate_100", 1U);  // not of the format, but devices have it
+  if (is_supported(not_of_the_format)) writer.key("BaudRate_100", 1U);
   writer.key("SimpleBootUpMaster", device.simple_boot_up_master ? 1U : 0U);
   writer.key("SimpleBootUpSlave", device.simple_boot_up_slave ? 1U : 0U);
   writer.key("Granularity", device.granularity);
@@ -232,7 +237,7 @@ std::string write_device_file(const FileInfo& file, const DeviceInfo& device,
   write_device_info(writer, device);
   write_dummy_usage(writer, [&](std::uint16_t type) { return dictionary.find(type) != nullptr; });
   write_objects(writer, dictionary);
-  return writer.take();
+  return writer.release();
 }
 
 std::string too_much_to_write(const DeviceFile& file) {
@@ -265,7 +270,7 @@ WrittenFile write_eds(const DeviceFile& file) {
   }
   if (file.commissioning) write_commissioning(writer, *file.commissioning);
   write_objects(writer, *file.dictionary);
-  WrittenFile written{writer.take(), writer.take_warnings()};
+  WrittenFile written{writer.release(), writer.release_warnings()};
   if (!file.modules.empty()) written.warnings.emplace_back(modules_are_lost);
   return written;
 }

@@ -52,7 +52,7 @@ class XddReader {
   XddReader(const xml::Document& document, pugi::xml_node device, Problems& problems)
       : document_(document),
         device_(device),
-        parameters_(document, child(device, "ApplicationProcess")),
+        parameters_(document, child(device, "ApplicationProcess"), problems),
         problems_(problems) {}
 
   std::vector<Section> read(pugi::xml_node network) {
@@ -61,6 +61,13 @@ class XddReader {
     const pugi::xml_node layers = child(network, "ApplicationLayers");
     read_commissioning(child(child(network, "NetworkManagement"), "deviceCommissioning"));
     read_dummy_usage(child(layers, "dummyUsage"));
+    for (const auto& [name, what] :
+         {std::pair{"dynamicChannels", "the dynamic channels of a programmable device"},
+          std::pair{"moduleManagement", "the modules of a modular device"}}) {
+      const pugi::xml_node unread = child(layers, name);
+      if (unread.first_child())
+        problems_.loss(document_.position(unread).line, std::string(name) + ": " + what + " are left out");
+    }
     for (const pugi::xml_node object : child(layers, "CANopenObjectList")) {
       if (local_name(object.name()) == "CANopenObject") read_object(object);
     }
@@ -106,7 +113,8 @@ class XddReader {
          {std::pair{"creationtime", "fileCreationTime"}, {"modificationtime", "fileModificationTime"}}) {
       add(info, key, attribute(body, name), time_of(attribute(body, name).value()));
     }
-    add(info, "description", child(child(child(device_, "DeviceIdentity"), "productText"), "description"));
+    add(info, "description",
+        xml::english_child(child(child(device_, "DeviceIdentity"), "productText"), "description"));
   }
 
   void read_device_info(pugi::xml_node network) {
@@ -167,11 +175,11 @@ class XddReader {
 
   void read_object(pugi::xml_node object) {
     const auto given = attribute(object, "index");
-    const auto index = read_hexadecimal(given.value(), 4);
+    const auto index = read_hexadecimal(given.value(), 0xFFFF);
     if (!index) {
-      problems_.warning(document_.position(object).line,
-                        "CANopenObject with index=\"" + printable(given.value()) +
-                            "\": an index is four hexadecimal digits: left out");
+      problems_.loss(document_.position(object).line,
+                     "CANopenObject with index=\"" + printable(given.value()) +
+                         "\": an index is four hexadecimal digits: left out");
       return;
     }
     const std::string folded_index = ascii::lower_hex(*index, 4);
@@ -179,7 +187,7 @@ class XddReader {
     if (const auto [place, is_new] = lines_.try_emplace(folded_index, document_.position(object).line);
         !is_new) {
       problems_.repeated(
-          Severity::warning, "object again", document_.position(object).line,
+          Severity::loss, "object again", document_.position(object).line,
           shown + " was described in line " + std::to_string(place->second) + " before: left out");
       return;
     }
@@ -189,19 +197,19 @@ class XddReader {
       if (local_name(member.name()) != "CANopenSubObject") continue;
       const auto given_sub = attribute(member, "subIndex");
       const unsigned line = document_.position(member).line;
-      const auto sub = read_hexadecimal(given_sub.value(), 2);
+      const auto sub = read_hexadecimal(given_sub.value(), 0xFF);
       if (!sub) {
-        problems_.warning(line, "CANopenSubObject of " + shown + " with subIndex=\"" +
-                                    printable(given_sub.value()) +
-                                    "\": a sub-index is two hexadecimal digits: left out");
+        problems_.loss(line, "CANopenSubObject of " + shown + " with subIndex=\"" +
+                                 printable(given_sub.value()) +
+                                 "\": a sub-index is hexadecimal, 00 to FF: left out");
         continue;
       }
       std::string name = folded_index + "sub" + ascii::lower_hex(*sub);
       const std::string shown_sub =
-          object_name(static_cast<std::uint16_t>(*index), static_cast<std::uint8_t>(*sub));
+          object_text(static_cast<std::uint16_t>(*index), static_cast<std::uint8_t>(*sub));
       if (const auto [place, is_new] = lines_.try_emplace(name, line); !is_new) {
         problems_.repeated(
-            Severity::warning, "sub-index again", line,
+            Severity::loss, "sub-index again", line,
             shown_sub + " was described in line " + std::to_string(place->second) + " before: left out");
         continue;
       }
@@ -229,15 +237,16 @@ class XddReader {
         const Item* code = section.find("objecttype");
         const bool is_domain = code != nullptr && code->value == "2";  // IEC 61131-3 has no such type
         for (const Item& item : parameter->items) {
-          const bool is_wanted =
-              item.folded_key == "datatype"
-                  ? has_value && !is_domain
-                  : item.folded_key == "parametername" || item.folded_key == "denotation" || has_value;
+          const bool is_wanted = item.folded_key == "datatype"
+                                     ? has_value && !is_domain
+                                     : item.folded_key == "parametername" ||
+                                           item.folded_key == "denotation" ||
+                                           item.folded_key == "description" || has_value;
           if (is_wanted && section.find(item.folded_key) == nullptr) section.items.push_back(item);
         }
       } else {
         const xml::Position place = document_.position(reference);
-        problems_.repeated(Severity::warning, "no parameter", place.line,
+        problems_.repeated(Severity::loss, "no parameter", place.line,
                            "uniqueIDRef=" + printable(reference.value()) + " in [" + section.name +
                                "]: there is no such parameter",
                            place.column);
@@ -264,7 +273,7 @@ class XddReader {
     const bool is_impossible =
         is_tpdo ? access == "wo" || access == "rww" : access == "ro" || access == "const" || access == "rwr";
     if (is_impossible) {
-      problems_.report(Severity::warning, document_.position(mapping).line,
+      problems_.report(Severity::loss, document_.position(mapping).line,
                        "PDOmapping=" + std::string(word) + " in [" + section.name + "], which is " + access +
                            ": taken as not to be mapped",
                        document_.position(mapping).column);
@@ -290,12 +299,25 @@ bool is_xml(std::string_view text) noexcept {
   return start != std::string_view::npos && text[start] == '<';
 }
 
-std::optional<std::string> xml_text(std::string_view text, Problems& problems) {
+namespace {
+
+/// gb2312 of <?xml version="1.0" encoding="gb2312". Empty: it names none.
+std::string_view encoding_in(std::string_view declaration) {
+  const std::size_t key = declaration.find("encoding");
+  const std::size_t begin = declaration.find_first_of("\"'", key == std::string_view::npos ? key : key + 8);
+  if (key == std::string_view::npos || begin == std::string_view::npos) return {};
+  const std::size_t end = declaration.find(declaration[begin], begin + 1);
+  return end == std::string_view::npos ? std::string_view() : declaration.substr(begin + 1, end - begin - 1);
+}
+
+}  // namespace
+
+std::optional<XmlText> xml_text(std::string_view text, Problems& problems) {
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
     problems.note(1, "the file is UTF-16 text: converted");
-    return from_utf16(text.substr(2), text.starts_with("\xFE\xFF"));
+    return XmlText{from_utf16(text.substr(2), text.starts_with("\xFE\xFF"))};
   }
-  if (is_utf8(text)) return std::string(text);
+  if (is_utf8(text)) return XmlText{std::string(text)};
   const std::string declaration = ascii::lower(text.substr(0, std::min<std::size_t>(text.find("?>"), 200)));
   unsigned line = 1;
   for (std::string_view rest = text; !rest.empty(); ++line) {
@@ -303,26 +325,30 @@ std::optional<std::string> xml_text(std::string_view text, Problems& problems) {
     if (!is_utf8(rest.substr(0, end))) break;
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
-  if (declaration.find("iso-8859") != std::string::npos ||
-      declaration.find("windows-125") != std::string::npos) {
-    problems.note(line, "bytes that are not UTF-8: read as Windows Latin text");
-    return to_utf8(text);
+  if (const auto encoding = encoding_of_name(encoding_in(declaration))) {
+    if (auto decoded = decode(text, *encoding)) {
+      problems.note(line, "bytes that are not UTF-8: read as " + std::string(encoding->name) + " text");
+      return XmlText{*std::move(decoded), encoding};
+    }
+    problems.error(line,
+                   "bytes that are not " + std::string(encoding->name) + ", as which the file is declared");
+    return std::nullopt;
   }
   problems.error(line, "bytes that are not UTF-8, as which an XML file is read that names no other encoding");
   return std::nullopt;
 }
 
-std::optional<unsigned> read_hexadecimal(std::string_view text, std::size_t digits) {
+std::optional<unsigned> read_hexadecimal(std::string_view text, unsigned highest) {
   text = trim(text);
   if (ascii::has_hex_prefix(text)) text.remove_prefix(2);
-  if (text.size() > digits) return std::nullopt;
-  return ascii::parse_number<unsigned>(text, 16);
+  const auto number = ascii::parse_number<unsigned>(text, 16);
+  return number && *number <= highest ? number : std::nullopt;
 }
 
 std::optional<IniFile> read_xdd(std::string_view text, Problems& problems) {
   const auto utf8 = xml_text(text, problems);
   if (!utf8) return std::nullopt;
-  const auto document = xml::Document::parse(*utf8);
+  const auto document = xml::Document::parse(utf8->text);
   if (!document) {
     problems.report(Severity::error, document.error().position.line,
                     "this cannot be read as XML: " + document.error().message,

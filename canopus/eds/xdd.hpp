@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "canopus/eds/encoding.hpp"
 #include "canopus/eds/ini.hpp"
 
 namespace canopus::eds {
@@ -13,12 +14,17 @@ namespace canopus::eds {
 /// True when a text begins like XML: with '<', behind blanks and a byte order mark.
 [[nodiscard]] bool is_xml(std::string_view text) noexcept;
 
-/// The text of an XML file as UTF-8: UTF-16 and, where the XML declaration names it, Windows Latin are
-/// converted, with a note. Nothing, after an error, when it is neither.
-[[nodiscard]] std::optional<std::string> xml_text(std::string_view text, Problems& problems);
+/// The text of an XML file as UTF-8.
+struct XmlText {
+  std::string text;
+  std::optional<Encoding> encoding{};  ///< that the XML declaration names; nothing: UTF-8, or UTF-16
+};
+/// UTF-16 and what the XML declaration names are converted, with a note. Nothing, after an error, when it is neither.
+[[nodiscard]] std::optional<XmlText> xml_text(std::string_view text, Problems& problems);
 
-/// The number of an index or subIndex attribute: hexadecimal with or without 0x, at most `digits` digits.
-[[nodiscard]] std::optional<unsigned> read_hexadecimal(std::string_view text, std::size_t digits);
+/// The number of an index or subIndex attribute: hexadecimal with or without 0x, at most `highest`. Zeros before it do
+/// not count: CANopenEditor writes sub-indexes with four digits.
+[[nodiscard]] std::optional<unsigned> read_hexadecimal(std::string_view text, unsigned highest);
 
 /// The sections, their keys called as in the file, with the places they have in it. What an object has no attribute
 /// for comes from the parameter that its uniqueIDRef names. Nothing, after an error, when this is no CANopen device's.

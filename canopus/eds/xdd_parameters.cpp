@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "canopus/ascii/hex.hpp"
 #include "canopus/ascii/words.hpp"
 #include "canopus/eds/words.hpp"
 
@@ -41,11 +42,20 @@ void add_at(Section& section, std::string_view key, std::string_view shown, std:
 }
 
 /// Only a single range becomes a limit: CiA 306 cannot express more.
-void add_limits(Section& facts, const xml::Document& document, pugi::xml_node allowed) {
+void add_limits(Section& facts, const xml::Document& document, pugi::xml_node allowed, Problems& problems) {
   const pugi::xml_node range = child(allowed, "range");
-  if (!range || child(allowed, "value")) return;
+  bool is_single = range && !child(allowed, "value");
   for (pugi::xml_node other = range.next_sibling(); other; other = other.next_sibling()) {
-    if (local_name(other.name()) == "range") return;
+    is_single = is_single && local_name(other.name()) != "range";
+  }
+  if (!is_single) {
+    if (!allowed.first_child()) return;
+    const xml::Position place = document.position(allowed);
+    return problems.report(Problem::Severity::loss, place.line,
+                           "allowedValues of parameter " +
+                               printable(attribute(allowed.parent(), "uniqueID").value()) +
+                               " has single values or several ranges: no limits",
+                           place.column);
   }
   for (const auto& [key, name] : {std::pair{"lowlimit", "minValue"}, std::pair{"highlimit", "maxValue"}}) {
     const auto value = attribute(child(range, name), "value");
@@ -67,10 +77,17 @@ void add_item(Section& section, const xml::Document& document, std::string_view 
   add_at(section, key, given.name(), text, document.position(given));
 }
 
-XddParameters::XddParameters(const xml::Document& document, pugi::xml_node process) : document_(document) {
-  const auto each = [&](std::string_view list, auto&& take) {
+std::string_view simple_type_word(canopen::DataType type) noexcept {
+  const std::string text = "0x" + ascii::hex(static_cast<unsigned>(type), 4);
+  const auto* const known = std::ranges::find(simple_types, text, &SimpleType::data_type);
+  return known == std::end(simple_types) ? "BITSTRING" : known->word;
+}
+
+XddParameters::XddParameters(const xml::Document& document, pugi::xml_node process, Problems& problems)
+    : document_(document), problems_(problems) {
+  const auto each = [&](std::string_view list, auto&& visit) {
     for (const pugi::xml_node element : child(process, list)) {
-      if (const auto id = attribute(element, "uniqueID")) take(id.value(), element);
+      if (const auto id = attribute(element, "uniqueID")) visit(id.value(), element);
     }
   };
   each("dataTypeList", [&](std::string_view id, pugi::xml_node element) {
@@ -95,8 +112,9 @@ const Section* XddParameters::find(Parameters& parameters, std::string_view id) 
 void XddParameters::read(Parameter& parameter) const {
   const pugi::xml_node element = parameter.element;
   Section& facts = parameter.facts;
-  add_item(facts, document_, "parametername", child(element, "label"));
-  add_item(facts, document_, "denotation", child(child(element, "denotation"), "label"));
+  add_item(facts, document_, "parametername", xml::english_child(element, "label"));
+  add_item(facts, document_, "description", xml::english_child(element, "description"));
+  add_item(facts, document_, "denotation", xml::english_child(child(element, "denotation"), "label"));
   add_type(facts, element);
   if (const auto access = attribute(element, "access")) {
     const auto known = std::ranges::find(parameter_access, std::string_view(access.value()),
@@ -109,7 +127,7 @@ void XddParameters::read(Parameter& parameter) const {
     const auto value = attribute(child(element, name), "value");
     add_item(facts, document_, key, value, value.value());
   }
-  add_limits(facts, document_, child(element, "allowedValues"));
+  add_limits(facts, document_, child(element, "allowedValues"), problems_);
   if (local_name(element.name()) == "parameterTemplate") return;
   if (const Section* model = find(templates_, attribute(element, "templateIDRef").value())) {
     for (const Item& item : model->items) {

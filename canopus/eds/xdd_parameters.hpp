@@ -5,6 +5,7 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "canopus/canopen/dictionary/data_type.hpp"
 #include "canopus/eds/ini.hpp"
 #include "canopus/eds/xml/document.hpp"
 
@@ -16,10 +17,13 @@ void add_item(Section& section, const xml::Document& document, std::string_view 
 /// The same with the text of an element.
 void add_item(Section& section, const xml::Document& document, std::string_view key, pugi::xml_node given);
 
+/// The type of IEC 61131-3 of the same width; BITSTRING where there is none.
+[[nodiscard]] std::string_view simple_type_word(canopen::DataType type) noexcept;
+
 class XddParameters {
  public:
   /// `process`: ApplicationProcess, or an empty element.
-  XddParameters(const xml::Document& document, pugi::xml_node process);
+  XddParameters(const xml::Document& document, pugi::xml_node process, Problems& problems);
 
   /// Keys and values of a parameter as CiA 306 has them, those of its template included, or nullptr: there is
   /// none of this uniqueID. Each is read once, independent of the number of objects that refer to it.
@@ -45,6 +49,7 @@ class XddParameters {
   void add_type(Section& facts, pugi::xml_node parameter) const;
 
   const xml::Document& document_;
+  Problems& problems_;
   std::unordered_map<std::string_view, Type> types_;
   Parameters parameters_;
   mutable Parameters templates_;

@@ -5,7 +5,7 @@
 namespace canopus::network_project {
 namespace {
 
-/// The object of a manager that has this value of each slave, by node-ID: 1F84H of 1000H, then those of 1018H:01 to 04.
+/// The object of a manager that has this value of each slave, by node-ID: 1F84H of 1000H, then those of 1018:01 to 04.
 constexpr std::uint16_t list_of_manager(const IdentityValue& value) {
   return static_cast<std::uint16_t>(0x1F84 + value.sub);
 }

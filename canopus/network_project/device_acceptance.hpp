@@ -12,7 +12,7 @@
 
 namespace canopus::network_project {
 
-/// A value of 1000H:00 or 1018H:01 to 04, as far as the device has them.
+/// A value of 1000:00 or 1018:01 to 04, as far as the device has them.
 struct IdentityValue {
   std::uint16_t index = 0;
   std::uint8_t sub = 0;

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/ascii/number.hpp"
 #include "canopus/ascii/words.hpp"
 #include "canopus/eds/words.hpp"
@@ -52,17 +53,18 @@ NetworkProject::NetworkProject(std::string list_path, ReadFile read, Nodelist li
     : list_path_(std::move(list_path)), read_(std::move(read)), list_(std::move(list)), network_(network) {}
 
 std::expected<NetworkProject, std::string> NetworkProject::open(std::string list, ReadFile read,
-                                                                std::size_t network) {
+                                                                std::size_t network, FindFile find) {
   const auto text = read(list);
   if (!text) return std::unexpected(text.error());
   if (!*text) return std::unexpected("there is no such file");
   Nodelist nodelist(**text);
   if (nodelist.networks().empty()) return std::unexpected(first_problem(nodelist.problems()));
   if (network >= nodelist.networks().size()) {
-    return std::unexpected(fmt::format("has {} network{}, not {}", nodelist.networks().size(),
-                                       nodelist.networks().size() == 1 ? "" : "s", network + 1));
+    return std::unexpected(
+        fmt::format("has {}, not {}", ascii::counted(nodelist.networks().size(), "network"), network + 1));
   }
   NetworkProject project(std::move(list), std::move(read), std::move(nodelist), network);
+  project.find_ = std::move(find);
   project.original_[project.list_path_] = **text;
   project.read_notes();
   project.read_nodes();
@@ -84,6 +86,12 @@ std::expected<NetworkProject, std::string> NetworkProject::make(std::string list
 std::string NetworkProject::in_folder(std::string_view name) const {
   const std::size_t slash = list_path_.rfind('/');
   return slash == std::string::npos ? std::string(name) : list_path_.substr(0, slash + 1) + std::string(name);
+}
+
+std::string NetworkProject::path_in_other_case(const std::string& name) const {
+  if (!find_) return {};
+  const auto found = find_(in_folder(""), name);
+  return found ? in_folder(*found) : std::string();
 }
 
 void NetworkProject::read_notes() {
@@ -108,13 +116,22 @@ void NetworkProject::read_node(ProjectNode& node) {
     node.unreadable = "the list names no DCF for it";
     return;
   }
-  const auto path = path_in_project(node.listed.dcf_name);
-  if (!path) {
-    node.unreadable = path.error();
+  const auto listed = listed_path(node.listed.dcf_name);
+  if (!listed) {
+    node.unreadable = listed.error();
     return;
   }
-  node.path = in_folder(*path);
-  const auto text = read_(node.path);
+  node.path = in_folder(listed->path);
+  auto text = read_(node.path);
+  if (text && !*text) {
+    if (std::string other = path_in_other_case(listed->path); !other.empty()) {
+      node.path_note =
+          fmt::format("{} is not there, {} is taken: its name differs in upper and lower case alone",
+                      eds::printable(node.path), eds::printable(other));
+      node.path = std::move(other);
+      text = read_(node.path);
+    }
+  }
   if (!text || !*text) {
     node.unreadable = text ? "there is no such file" : text.error();
     return;
@@ -344,10 +361,11 @@ std::map<std::string, std::optional<std::string>> NetworkProject::changes() cons
   // Keeps the files of other networks of the same list.
   for (const ListedNetwork& other : list_.networks()) {
     for (const ListedNode& node : other.nodes) {
-      const auto path = path_in_project(node.dcf_name);
-      if (!path) continue;
-      if (const auto kept = original_.find(in_folder(*path)); kept != original_.end())
-        now[kept->first] = kept->second;
+      const auto listed = listed_path(node.dcf_name);
+      if (!listed) continue;
+      auto kept = original_.find(in_folder(listed->path));
+      if (kept == original_.end()) kept = original_.find(path_in_other_case(listed->path));
+      if (kept != original_.end()) now[kept->first] = kept->second;
     }
   }
   if (const auto path = notes_path(list_path_); original_.contains(path)) now[path] = notes_.text();

@@ -30,6 +30,8 @@ using ReadFile =
 struct ProjectNode {
   ListedNode listed;
   std::string path;  ///< of its DCF below the folder; empty: it has none
+  std::string
+      path_note{};  ///< a sentence about a file whose name differs from the listed one; empty: it does not
   std::optional<eds::DeviceText> text{};
   std::shared_ptr<const eds::DeviceFile> device{};  ///< nullptr: there is none, `unreadable` has the reason
   std::vector<eds::Problem> problems{};             ///< of its DCF
@@ -63,7 +65,8 @@ class NetworkProject {
   /// `list`: path of nodelist.cpj below the folder. Fails when there is no such file, or no network of that position; mistakes
   /// in the files are problems of the list and of the nodes.
   [[nodiscard]] static std::expected<NetworkProject, std::string> open(std::string list, ReadFile read,
-                                                                       std::size_t network = 0);
+                                                                       std::size_t network = 0,
+                                                                       FindFile find = {});
   /// A project that is not there yet.
   [[nodiscard]] static std::expected<NetworkProject, std::string> make(std::string list, ReadFile read,
                                                                        std::string_view network_name);
@@ -122,9 +125,12 @@ class NetworkProject {
                                                                        std::string_view extension) const;
   void put(ProjectNode& node, eds::DeviceText text);
   [[nodiscard]] std::string in_folder(std::string_view name) const;
+  /// The path below the folder of a file that is there in other upper and lower case; empty: none.
+  [[nodiscard]] std::string path_in_other_case(const std::string& name) const;
 
   std::string list_path_;
   ReadFile read_;
+  FindFile find_{};
   Nodelist list_;
   std::size_t network_;
   std::vector<ProjectNode> nodes_;
@@ -136,7 +142,12 @@ class NetworkProject {
 /// 1"), in upper or lower case. The error names similar objects, or those that have that name.
 [[nodiscard]] std::expected<canopen::Entry, std::string> find_object(const ProjectNode& node,
                                                                      std::string_view text);
+/// The same in a dictionary; `owner` is how its node is shown: "node 5 (Pump)".
+[[nodiscard]] std::expected<canopen::Entry, std::string> find_object(
+    const canopen::DictionaryDescription& dictionary, std::string_view owner, std::string_view text);
 /// The name of a sub-index: "Read input 8-bit: Input 1", "Producer heartbeat time".
 [[nodiscard]] std::string object_title(const eds::DeviceFile& file, const canopen::Entry& entry);
+[[nodiscard]] std::string object_title(const canopen::DictionaryDescription& dictionary,
+                                       const canopen::Entry& entry);
 
 }  // namespace canopus::network_project

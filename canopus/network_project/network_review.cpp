@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/network_project/network_load.hpp"
 #include "canopus/network_project/pdo_link.hpp"
 
@@ -15,7 +16,8 @@ using Severity = eds::Problem::Severity;
 
 class Review {
  public:
-  explicit Review(const NetworkProject& project) : project_(project) {}
+  Review(const NetworkProject& project, const ExternalPdos& external)
+      : project_(project), external_(external) {}
 
   std::vector<Finding> run() {
     for (const eds::Problem& problem : project_.list().problems()) {
@@ -54,15 +56,16 @@ class Review {
   }
 
   void files_of(const ProjectNode& node) {
+    if (!node.path_note.empty()) report(Severity::note, node, 0, node.path_note);
     if (node.device == nullptr) {
       if (node.path.empty()) return;  // the list's own problem
       found_.push_back({Severity::error, node.id(), node.path, 0, node.unreadable});
       return;
     }
     for (const eds::Problem& problem : node.problems) {
-      if (problem.severity != Severity::note) {
-        found_.push_back({problem.severity, node.id(), node.path, problem.line, problem.message});
-      }
+      if (problem.severity == Severity::note) continue;
+      const Severity severity = problem.severity == Severity::loss ? Severity::warning : problem.severity;
+      found_.push_back({severity, node.id(), node.path, problem.line, problem.message});
     }
     const auto& commissioning = node.device->commissioning;
     if (!commissioning) {
@@ -95,13 +98,13 @@ class Review {
       }
     }
     if (rates.size() > 1) {
-      std::string who;
+      std::string shown;
       for (const auto& [rate, node] : rates) {
-        who += fmt::format("{}{} kbit/s ({})", who.empty() ? "" : ", ", rate / 1000, node->shown_name());
+        shown += fmt::format("{}{} kbit/s ({})", shown.empty() ? "" : ", ", rate / 1000, node->shown_name());
       }
-      report_network(Severity::error, "the DCFs have more than one bit rate: " + who);
+      report_network(Severity::error, "the DCFs have more than one bit rate: " + shown);
     } else if (rates.empty() && !project_.nodes().empty()) {
-      report_network(Severity::warning, "no DCF says a bit rate, so no load can be reckoned");
+      report_network(Severity::warning, "no DCF has a bit rate, so no load can be calculated");
     }
   }
 
@@ -129,7 +132,7 @@ class Review {
     for_each_active(false, [&](ActivePdo pdo) {
       ++taken[pdo.pdo->cob_id.key()];
       const auto [begin, end] = senders.equal_range(pdo.pdo->cob_id.key());
-      if (begin == end) {
+      if (begin == end && !external_.sent.contains(pdo.pdo->cob_id.key())) {
         report(Severity::note, *pdo.node, pdo.pdo->communication_index(),
                fmt::format("{} waits for {}, which no node of the project sends", pdo.pdo->name(),
                            describe_can_id(pdo.pdo->cob_id)));
@@ -137,9 +140,9 @@ class Review {
       for (auto sender = begin; sender != end; ++sender) compare(sender->second, pdo);
     });
     for (const auto& [key, sender] : senders) {
-      if (taken.contains(key)) continue;
+      if (taken.contains(key) || external_.received.contains(key)) continue;
       report(Severity::note, *sender.node, sender.pdo->communication_index(),
-             fmt::format("nobody of the project takes its {} ({})", sender.pdo->name(),
+             fmt::format("no node of the project receives its {} ({})", sender.pdo->name(),
                          describe_can_id(sender.pdo->cob_id)));
     }
   }
@@ -155,24 +158,23 @@ class Review {
   }
 
   void compare(ActivePdo sender, ActivePdo consumer) {
-    const std::string who = fmt::format("{} of {}", sender.pdo->name(), sender.node->shown_name());
+    const std::string sender_name = fmt::format("{} of {}", sender.pdo->name(), sender.node->shown_name());
     if (consumer.pdo->length() > sender.pdo->length()) {
-      return report(
-          Severity::error, *consumer.node, consumer.pdo->mapping_index(),
-          fmt::format("{} maps {} bytes, but {} sends {} with {}: a frame that is too short is not taken "
-                      "(EMCY 8210H); map fewer objects here or more there",
-                      consumer.pdo->name(), consumer.pdo->length(), who, sender.pdo->length(),
-                      describe_can_id(sender.pdo->cob_id)));
+      return report(Severity::error, *consumer.node, consumer.pdo->mapping_index(),
+                    fmt::format("{} maps {}, but {} sends {} with {}: a frame that is too short is not taken "
+                                "(EMCY 8210H); map fewer objects here or more there",
+                                consumer.pdo->name(), ascii::counted(consumer.pdo->length(), "byte"),
+                                sender_name, sender.pdo->length(), describe_can_id(sender.pdo->cob_id)));
     }
     unsigned bit = 0;
     for (const MappedObject& object : consumer.pdo->mapping) {
-      if (!object.is_dummy()) compare(sender, consumer, object, bit, who);
+      if (!object.is_dummy()) compare(sender, consumer, object, bit, sender_name);
       bit += object.bits;
     }
   }
 
   void compare(ActivePdo sender, ActivePdo consumer, const MappedObject& object, unsigned bit,
-               const std::string& who) {
+               const std::string& sender_name) {
     unsigned sent_bit = 0;
     const MappedObject* sent = nullptr;
     for (const MappedObject& one : sender.pdo->mapping) {
@@ -183,13 +185,13 @@ class Review {
       sent_bit += one.bits;
     }
     if (sent == nullptr) return;
-    const std::string own_name = eds::object_name(object.index, object.sub);
-    const std::string sent_name = eds::object_name(sent->index, sent->sub);
+    const std::string own_name = eds::object_text(object.index, object.sub);
+    const std::string sent_name = eds::object_text(sent->index, sent->sub);
     if (sent_bit != bit || sent->bits != object.bits) {
       return report(Severity::warning, *consumer.node, consumer.pdo->mapping_index(),
                     fmt::format("{} takes bits {} to {} as {}, but there {} has {} in bits {} to {}",
-                                consumer.pdo->name(), bit, bit + object.bits - 1, own_name, who, sent_name,
-                                sent_bit, sent_bit + sent->bits - 1));
+                                consumer.pdo->name(), bit, bit + object.bits - 1, own_name, sender_name,
+                                sent_name, sent_bit, sent_bit + sent->bits - 1));
     }
     const auto type = [](const ProjectNode& node, const MappedObject& one) {
       const canopen::Entry entry = node.device->dictionary->find(one.index, one.sub);
@@ -201,7 +203,7 @@ class Review {
       return;
     report(Severity::note, *consumer.node, consumer.pdo->mapping_index(),
            fmt::format("{}: {} is {}, and {} of {} that it gets is {}", consumer.pdo->name(), own_name,
-                       eds::name(own_type), sent_name, who, eds::name(sent_type)));
+                       eds::name(own_type), sent_name, sender_name, eds::name(sent_type)));
   }
 
   /// Consumers are held against their producers; the check of a plant reports missing and slow ones, too.
@@ -241,11 +243,14 @@ class Review {
   }
 
   const NetworkProject& project_;
+  const ExternalPdos& external_;
   std::vector<Finding> found_;
 };
 
 }  // namespace
 
-std::vector<Finding> review(const NetworkProject& project) { return Review(project).run(); }
+std::vector<Finding> review(const NetworkProject& project, const ExternalPdos& external) {
+  return Review(project, external).run();
+}
 
 }  // namespace canopus::network_project

@@ -2,6 +2,7 @@
 // Checks of a project: its files, its bit rate, and the PDOs that go between its nodes.
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,15 @@ struct Finding {
   std::string message;
 };
 
+/// CAN-IDs (CobId::key()) of PDOs that nodes outside of the project send and receive: a module of the plant.
+struct ExternalPdos {
+  std::set<std::uint32_t> sent{};
+  std::set<std::uint32_t> received{};
+  friend bool operator==(const ExternalPdos&, const ExternalPdos&) = default;
+};
+
 /// Errors first, then warnings, then notes; each by node-ID. Problems of device files are among them, except
 /// notes.
-[[nodiscard]] std::vector<Finding> review(const NetworkProject& project);
+[[nodiscard]] std::vector<Finding> review(const NetworkProject& project, const ExternalPdos& external = {});
 
 }  // namespace canopus::network_project

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/ascii/hex.hpp"
 #include "canopus/ascii/number.hpp"
 #include "canopus/ascii/words.hpp"
@@ -47,6 +48,13 @@ std::optional<NodeKey> node_key(std::string_view key) {
   return result;
 }
 
+/// Without quotes round it.
+std::string_view unquoted(std::string_view value) noexcept {
+  const bool is_quoted =
+      value.size() >= 2 && (value.front() == '"' || value.front() == '\'') && value.back() == value.front();
+  return is_quoted ? eds::trim(value.substr(1, value.size() - 2)) : value;
+}
+
 std::string key_of(std::uint8_t node_id, std::string_view item) {
   return "Node" + std::to_string(node_id) + std::string(item);
 }
@@ -80,11 +88,25 @@ std::expected<std::string, std::string> path_in_project(std::string_view name) {
   return path;
 }
 
+std::expected<ListedPath, std::string> listed_path(std::string_view name) {
+  const bool has_drive = name.size() > 1 && name[1] == ':' && ascii::is_letter(name.front());
+  if (!has_drive && !name.starts_with("\\\\")) {
+    auto path = path_in_project(name);
+    if (!path) return std::unexpected(std::move(path.error()));
+    return ListedPath{*std::move(path), {}};
+  }
+  const std::string_view file = name.substr(name.find_last_of(has_drive ? "\\/:" : "\\/") + 1);
+  auto path = path_in_project(file);
+  if (!path) return std::unexpected(std::move(path.error()));
+  return ListedPath{*path, "\"" + eds::printable(name) + "\" is a path of another computer: " +
+                               eds::printable(*path) + " in the project's folder is taken"};
+}
+
 Nodelist::Nodelist() : Nodelist("[Topology]\r\nNetName=\r\nNodes=0x00\r\n") {}
 
 Nodelist::Nodelist(std::string_view text) : file_(text) {
   read();
-  problems_ = found_.take();
+  problems_ = found_.release();
 }
 
 void Nodelist::report(Severity severity, unsigned line, std::string message) {
@@ -93,6 +115,7 @@ void Nodelist::report(Severity severity, unsigned line, std::string message) {
 
 void Nodelist::read() {
   if (!file_.problem().empty()) return report(Severity::error, 1, file_.problem());
+  if (std::string note = file_.encoding_note(); !note.empty()) report(Severity::note, 1, std::move(note));
   for (const std::string& section : file_.sections()) {
     if (is_topology(section)) read_network(section);
   }
@@ -103,7 +126,15 @@ void Nodelist::read() {
 }
 
 void Nodelist::read_network(const std::string& section) {
-  const auto text = [&](std::string_view key) { return file_.value(section, key).value_or(""); };
+  const auto text = [&](std::string_view key) {
+    const std::string value = file_.value(section, key).value_or("");
+    const std::string_view bare = unquoted(value);
+    if (bare.size() != value.size()) {
+      found_.repeated(Severity::note, "quotes", file_.line(section, key),
+                      std::string(key) + '=' + eds::printable(value) + ": the quotes round it are taken off");
+    }
+    return std::string(bare);
+  };
   ListedNetwork network{section, text("NetName"), text("NetRefd"), text("EDSBaseName"), {}};
   std::map<unsigned, unsigned> without_present;  // node-ID and the first of its lines
   for (const std::string& key : file_.keys(section)) {
@@ -143,23 +174,25 @@ void Nodelist::read_network(const std::string& section) {
 void Nodelist::review(const ListedNetwork& network) {
   std::map<std::string, unsigned> owners;  // by path
   for (const ListedNode& node : network.nodes) {
-    const std::string who = "node " + std::to_string(node.node_id);
+    const std::string node_name = "node " + std::to_string(node.node_id);
     if (node.dcf_name.empty()) {
       if (node.present)
         report(Severity::warning, node.line,
-               who + " has no DCF: Node" + std::to_string(node.node_id) + "DCFName");
+               node_name + " has no DCF: Node" + std::to_string(node.node_id) + "DCFName");
       continue;
     }
     const unsigned line = file_.line(network.section, key_of(node.node_id, "DCFName"));
-    const auto path = path_in_project(node.dcf_name);
-    if (!path) {
-      report(Severity::warning, line, "DCF of " + who + ": " + path.error());
+    const auto listed = listed_path(node.dcf_name);
+    if (!listed) {
+      report(Severity::warning, line, "DCF of " + node_name + ": " + listed.error());
       continue;
     }
-    const auto [owner, is_first] = owners.emplace(ascii::lower(*path), node.node_id);
+    if (!listed->note.empty()) report(Severity::note, line, "DCF of " + node_name + ": " + listed->note);
+    const auto [owner, is_first] = owners.emplace(ascii::lower(listed->path), node.node_id);
     if (!is_first) {
-      report(Severity::warning, line,
-             who + " has the DCF of node " + std::to_string(owner->second) + ": each node needs its own");
+      report(
+          Severity::warning, line,
+          node_name + " has the DCF of node " + std::to_string(owner->second) + ": each node needs its own");
     }
   }
   const auto value = file_.value(network.section, "Nodes");
@@ -170,7 +203,7 @@ void Nodelist::review(const ListedNetwork& network) {
   // Some tools count the nodes that are there, others those that are listed.
   if (announced && (announced->magnitude == network.nodes.size() || announced->magnitude == present)) return;
   report(Severity::warning, file_.line(network.section, "Nodes"),
-         "Nodes=" + eds::printable(*value) + ", but " + eds::counted(network.nodes.size(), "node") +
+         "Nodes=" + eds::printable(*value) + ", but " + ascii::counted(network.nodes.size(), "node") +
              " listed: the list counts");
 }
 
@@ -180,10 +213,10 @@ Done Nodelist::usable(std::size_t network) const {
     return std::unexpected("line " + std::to_string(problem.line) + ": " + problem.message);
   }
   if (network < networks_.size()) return {};
-  return std::unexpected("there are " + eds::counted(networks_.size(), "network") + " in the project");
+  return std::unexpected("there are " + ascii::counted(networks_.size(), "network") + " in the project");
 }
 
-void Nodelist::keep(eds::IniText file) {
+void Nodelist::set_file(eds::IniText file) {
   file_ = std::move(file);
   networks_.clear();
   read();
@@ -194,7 +227,7 @@ Done Nodelist::set_network_name(std::size_t network, std::string_view name) {
   if (const Done done = usable(network); !done) return done;
   eds::IniText file = file_;
   if (const Done done = file.set(networks_[network].section, "NetName", name); !done) return done;
-  keep(std::move(file));
+  set_file(std::move(file));
   return {};
 }
 
@@ -214,16 +247,16 @@ Done Nodelist::count_nodes(eds::IniText& file, const std::string& section) {
 Done Nodelist::set_node(std::size_t network, const ListedNode& node) {
   if (const Done done = usable(network); !done) return done;
   if (node.node_id < 1 || node.node_id > highest_node_id) return std::unexpected("a node-ID is 1 to 127");
-  if (!node.dcf_name.empty()) {
-    if (const auto path = path_in_project(node.dcf_name); !path) return std::unexpected(path.error());
-  }
   const ListedNetwork& listed = networks_[network];
   const ListedNode* old = listed.find(node.node_id);
+  if (!node.dcf_name.empty() && (old == nullptr || old->dcf_name != node.dcf_name)) {
+    if (const auto path = path_in_project(node.dcf_name); !path) return std::unexpected(path.error());
+  }
   eds::IniText file = file_;
   // Overwrites leftover keys of a node without NodeXPresent.
   const auto set = [&](std::string_view item, const std::string& value) -> Done {
     const std::string key = key_of(node.node_id, item);
-    if (file.value(listed.section, key).value_or("") == value) return {};
+    if (unquoted(file.value(listed.section, key).value_or("")) == value) return {};
     const Done done = file.set(listed.section, key, value);
     return done ? done : std::unexpected(key + ": " + done.error());
   };
@@ -233,7 +266,7 @@ Done Nodelist::set_node(std::size_t network, const ListedNode& node) {
   if (done) done = set("Refd", node.reference);
   if (done) done = set("DCFName", node.dcf_name);
   if (done && old == nullptr) done = count_nodes(file, listed.section);
-  if (done) keep(std::move(file));
+  if (done) set_file(std::move(file));
   return done;
 }
 
@@ -246,7 +279,7 @@ Done Nodelist::remove_node(std::size_t network, std::uint8_t node_id) {
     if (const Done done = file.remove(listed.section, key_of(node_id, item)); !done) return done;
   }
   if (const Done done = count_nodes(file, listed.section); !done) return done;
-  keep(std::move(file));
+  set_file(std::move(file));
   return {};
 }
 

@@ -12,6 +12,8 @@
 
 #include <cstdint>
 #include <expected>
+#include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,7 +31,7 @@ struct ListedNode {
   bool present = true;
   std::string name;       ///< UTF-8, as are all texts here; from a file: any characters
   std::string reference;  ///< Refd
-  std::string dcf_name;   ///< as written; path_in_project() makes a path of it
+  std::string dcf_name;   ///< as written, without quotes; listed_path() makes a path of it
   unsigned line = 0;      ///< of NodeXPresent, from 1; ignored when a node is set
 };
 
@@ -47,6 +49,20 @@ struct ListedNetwork {
 /// The path below the project's folder, with '/', of a file that the project names. Fails with the reason: no name
 /// at all, a path that is absolute or leads out of the folder, control characters.
 [[nodiscard]] std::expected<std::string, std::string> path_in_project(std::string_view name);
+
+/// Of a file as a list from any computer names it.
+struct ListedPath {
+  std::string path;  ///< below the project's folder, with '/'
+  std::string note;  ///< a sentence about a path of another computer; empty: none
+};
+/// The same as path_in_project(), but of a Windows path with a drive or server, the file of this name in the project's
+/// folder.
+[[nodiscard]] std::expected<ListedPath, std::string> listed_path(std::string_view name);
+
+/// Finds a file whose name differs in upper and lower case alone, as Windows lets it: of `name`, a path below `folder`
+/// with '/', the path as it is. Nothing: there is none, or more than one.
+using FindFile =
+    std::function<std::optional<std::string>(const std::string& folder, const std::string& name)>;
 
 /// The list, read, changed and written so that all else in the file stays as it is.
 class Nodelist {
@@ -80,7 +96,7 @@ class Nodelist {
   /// Sets Nodes= of the network to the number of listed nodes, when it differs.
   [[nodiscard]] static std::expected<void, std::string> count_nodes(eds::IniText& file,
                                                                     const std::string& section);
-  void keep(eds::IniText file);
+  void set_file(eds::IniText file);
 
   eds::IniText file_;
   std::vector<ListedNetwork> networks_;

@@ -1,11 +1,14 @@
 // Objects of a node by number or name.
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "canopus/ascii/number.hpp"
 #include "canopus/ascii/words.hpp"
 #include "canopus/eds/words.hpp"
 #include "canopus/network_project/network_project.hpp"
+#include "canopus/text/nearest_word.hpp"
 
 namespace canopus::network_project {
 namespace {
@@ -41,12 +44,13 @@ std::string comparable(std::string_view text) {
 
 constexpr std::size_t most_named = 6;
 
-std::string listed(const eds::DeviceFile& file, const std::vector<canopen::Entry>& entries) {
+std::string listed(const canopen::DictionaryDescription& dictionary,
+                   const std::vector<canopen::Entry>& entries) {
   std::string text;
   for (std::size_t i = 0; i < entries.size() && i < most_named; ++i) {
     if (i != 0) text += ", ";
-    text += fmt::format("{} ({})", eds::object_name(entries[i].index, entries[i].sub),
-                        eds::printable(object_title(file, entries[i])));
+    text += fmt::format("{} ({})", eds::object_text(entries[i].index, entries[i].sub),
+                        eds::printable(object_title(dictionary, entries[i])));
   }
   if (entries.size() > most_named) text += fmt::format(" and {} more", entries.size() - most_named);
   return text;
@@ -55,12 +59,16 @@ std::string listed(const eds::DeviceFile& file, const std::vector<canopen::Entry
 }  // namespace
 
 std::string object_title(const eds::DeviceFile& file, const canopen::Entry& entry) {
-  const auto* object = file.dictionary->find(entry.index);
-  const std::string name(file.dictionary->name(*object));
+  return object_title(*file.dictionary, entry);
+}
+
+std::string object_title(const canopen::DictionaryDescription& dictionary, const canopen::Entry& entry) {
+  const auto* object = dictionary.find(entry.index);
+  const std::string name(dictionary.name(*object));
   const bool is_one =
       object->code == canopen::ObjectCode::variable || object->code == canopen::ObjectCode::domain;
   if (is_one) return name;
-  const std::string_view own = file.dictionary->name(entry);
+  const std::string_view own = dictionary.name(entry);
   return own.empty() || own == name ? fmt::format("{} {}", name, entry.sub)
                                     : fmt::format("{}: {}", name, own);
 }
@@ -68,16 +76,24 @@ std::string object_title(const eds::DeviceFile& file, const canopen::Entry& entr
 std::expected<canopen::Entry, std::string> find_object(const ProjectNode& node, std::string_view text) {
   if (node.device == nullptr)
     return std::unexpected(fmt::format("{}: {}", node.shown_name(), node.trouble()));
-  const canopen::DictionaryDescription& dictionary = *node.device->dictionary;
+  return find_object(*node.device->dictionary, node.shown_name(), text);
+}
+
+std::expected<canopen::Entry, std::string> find_object(const canopen::DictionaryDescription& dictionary,
+                                                       std::string_view owner, std::string_view text) {
   if (const canopen::Entry entry = find_by_number(dictionary, text)) return entry;
   const std::string wanted = comparable(eds::trim(text));
   std::vector<canopen::Entry> exact;
   std::vector<canopen::Entry> near;
+  std::vector<canopen::Entry> all;
+  std::vector<std::string> titles;
   for (const canopen::ObjectDescription& object : dictionary.objects()) {
     for (unsigned sub = 0; sub <= object.highest_sub; ++sub) {
       const canopen::Entry entry = dictionary.find(object, static_cast<std::uint8_t>(sub));
       if (!entry) continue;
-      const std::string title = comparable(object_title(*node.device, entry));
+      all.push_back(entry);
+      titles.push_back(object_title(dictionary, entry));
+      const std::string title = comparable(titles.back());
       const bool is_it = title == wanted || comparable(dictionary.name(entry)) == wanted;
       if (is_it) exact.push_back(entry);
       if (!is_it && wanted.size() >= 3 && title.find(wanted) != std::string::npos) near.push_back(entry);
@@ -86,12 +102,17 @@ std::expected<canopen::Entry, std::string> find_object(const ProjectNode& node, 
   if (exact.size() == 1) return exact.front();
   const std::string_view shown = text;
   if (!exact.empty()) {
-    return std::unexpected(fmt::format("{}: \"{}\" is the name of {}", node.shown_name(),
-                                       eds::printable(shown), listed(*node.device, exact)));
+    return std::unexpected(
+        fmt::format("{}: \"{}\" is the name of {}", owner, eds::printable(shown), listed(dictionary, exact)));
   }
-  std::string message = fmt::format("{} has no object \"{}\"", node.shown_name(), eds::printable(shown));
+  if (near.empty()) {  // a mistyped one
+    const std::vector<std::string_view> known(titles.begin(), titles.end());
+    const auto meant = std::ranges::find(known, text::nearest(shown, known));
+    if (meant != known.end()) near.push_back(all[static_cast<std::size_t>(meant - known.begin())]);
+  }
+  std::string message = fmt::format("{} has no object \"{}\"", owner, eds::printable(shown));
   message += near.empty() ? "; expected index:sub-index in hexadecimal, for example 6000:01, or its name"
-                          : "; did you mean " + listed(*node.device, near) + "?";
+                          : "; did you mean " + listed(dictionary, near) + "?";
   return std::unexpected(std::move(message));
 }
 

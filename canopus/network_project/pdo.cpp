@@ -90,7 +90,7 @@ std::string describe_mapping(const Pdo& pdo) {
   for (const MappedObject& object : pdo.mapping) {
     if (!text.empty()) text += ", ";
     text += object.is_dummy() ? fmt::format("{} unused bits", object.bits)
-                              : eds::object_name(object.index, object.sub);
+                              : eds::object_text(object.index, object.sub);
   }
   return text;
 }

@@ -59,7 +59,7 @@ struct Pdo {
 /// All that have a communication parameter, RPDOs first.
 [[nodiscard]] std::vector<Pdo> read_pdos(const eds::DeviceFile& file, std::uint8_t node_id);
 
-/// "6000H:01, 6000H:02"
+/// "6000:01, 6000:02"
 [[nodiscard]] std::string describe_mapping(const Pdo& pdo);
 /// "183H", "0000183H" of 29 bits.
 [[nodiscard]] std::string describe_can_id(canopen::CobId cob_id);

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
+
 namespace canopus::network_project {
 namespace {
 
@@ -22,7 +24,7 @@ struct Signal {
   MappedObject object;
 
   [[nodiscard]] std::string shown_name() const {
-    return fmt::format("{}: {} ({})", node->shown_name(), eds::object_name(entry.index, entry.sub),
+    return fmt::format("{}: {} ({})", node->shown_name(), eds::object_text(entry.index, entry.sub),
                        eds::printable(object_title(*node->device, entry)));
   }
 };
@@ -36,7 +38,7 @@ std::expected<Signal, std::string> find_signal(const NetworkProject& project, co
   const canopen::Entry entry = node->device->dictionary->find(end.index, end.sub);
   if (!entry) {
     return std::unexpected(
-        fmt::format("{} has no {}", node->shown_name(), eds::object_name(end.index, end.sub)));
+        fmt::format("{} has no {}", node->shown_name(), eds::object_text(end.index, end.sub)));
   }
   const unsigned bits = canopen::bit_length(entry.description->type);
   Signal signal{node, entry, {end.index, end.sub, static_cast<std::uint8_t>(bits)}};
@@ -120,7 +122,7 @@ class Linker {
   std::expected<std::vector<PdoChange>, std::string> plan() {
     std::string why;
     for (const Offer& offer : offers()) {
-      const auto taken = take(offer);
+      const auto taken = accept(offer);
       if (!taken) {
         if (why.empty()) why = taken.error();
         continue;
@@ -131,10 +133,10 @@ class Linker {
       return changes;
     }
     if (!why.empty()) return std::unexpected(std::move(why));
-    return std::unexpected(fmt::format(
-        "{} has no TPDO left: none that is not in use, and none with room for {} bits whose mapping "
-        "can be changed",
-        from_.node->shown_name(), from_.object.bits));
+    return std::unexpected(
+        fmt::format("{} has no TPDO left: none that is not in use, and none with room for {} whose mapping "
+                    "can be changed",
+                    from_.node->shown_name(), ascii::counted(from_.object.bits, "bit")));
   }
 
  private:
@@ -217,18 +219,19 @@ class Linker {
     }
     if (!pdo.can_change_mapping) return std::unexpected(refusal(pdo, "has a fixed mapping"));
     if (!fill_up(after.mapping, first_bit - bits, to_.node->device->dummy_usage)) {
-      return std::unexpected(refusal(pdo, fmt::format("cannot leave {} bits before the signal unused: "
+      return std::unexpected(refusal(pdo, fmt::format("cannot leave {} before the signal unused: "
                                                       "[DummyUsage] of its file allows none that fit",
-                                                      first_bit - bits)));
+                                                      ascii::counted(first_bit - bits, "bit"))));
     }
     after.mapping.push_back(to_.object);
     if (after.mapping.size() > pdo.most_objects) {
-      return std::unexpected(refusal(pdo, fmt::format("maps at most {} objects", pdo.most_objects)));
+      return std::unexpected(
+          refusal(pdo, fmt::format("maps at most {}", ascii::counted(pdo.most_objects, "object"))));
     }
     return Taken{&pdo, std::move(after)};
   }
 
-  [[nodiscard]] std::expected<Taken, std::string> take(const Offer& offer) const {
+  [[nodiscard]] std::expected<Taken, std::string> accept(const Offer& offer) const {
     const CobId cob_id = offer.after.cob_id;
     // One that has the frame already.
     if (const Pdo* own = rpdo_with(*to_.node, cob_id); own != nullptr) {
@@ -342,8 +345,9 @@ std::expected<std::vector<PdoChange>, std::string> link_signals(NetworkProject& 
   const auto taken = find_signal(project, to, false);
   if (!taken) return std::unexpected(taken.error());
   if (sent->object.bits != taken->object.bits) {
-    return std::unexpected(fmt::format("{} has {} bits, {} has {}", sent->shown_name(), sent->object.bits,
-                                       taken->shown_name(), taken->object.bits));
+    return std::unexpected(fmt::format("{} has {}, {} has {}", sent->shown_name(),
+                                       ascii::counted(sent->object.bits, "bit"), taken->shown_name(),
+                                       taken->object.bits));
   }
   auto changes = Linker(project, *sent, *taken).plan();
   if (!changes) return changes;

@@ -4,10 +4,10 @@
 #include <optional>
 #include <utility>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/eds/number.hpp"
 #include "canopus/eds/xdd.hpp"
-#include "canopus/network_project/nodelist.hpp"
 
 namespace canopus::network_project {
 namespace {
@@ -48,7 +48,8 @@ Commissioned commissioned(std::string_view text) {
 ProjectMembers read_members(const std::string& list, const std::expected<std::string, std::string>& text,
                             std::size_t network,
                             const std::function<std::expected<std::string, std::string>(
-                                const std::string& folder, const std::string& name)>& read_dcf) {
+                                const std::string& folder, const std::string& name)>& read_dcf,
+                            const FindFile& find) {
   ProjectMembers result;
   if (!text) {
     result.errors.push_back(text.error());
@@ -61,8 +62,8 @@ ProjectMembers read_members(const std::string& list, const std::expected<std::st
   }
   if (!result.errors.empty()) return result;
   if (network >= nodelist.networks().size()) {
-    result.errors.push_back(list + ": has " + eds::counted(nodelist.networks().size(), "network") + ", not " +
-                            std::to_string(network + 1));
+    result.errors.push_back(list + ": has " + ascii::counted(nodelist.networks().size(), "network") +
+                            ", not " + std::to_string(network + 1));
     return result;
   }
   const std::size_t slash = list.rfind('/');
@@ -70,21 +71,28 @@ ProjectMembers read_members(const std::string& list, const std::expected<std::st
   std::optional<std::uint32_t> rate;  // 0: they differ
   for (const ListedNode& node : nodelist.networks()[network].nodes) {
     if (!node.present) continue;
-    const std::string who =
+    const std::string place =
         list + ":" + std::to_string(node.line) + ": node " + std::to_string(node.node_id) + ": ";
-    const auto path = path_in_project(node.dcf_name);
-    if (!path) {
-      result.errors.push_back(who + path.error());
+    const auto listed = listed_path(node.dcf_name);
+    if (!listed) {
+      result.errors.push_back(place + listed.error());
       continue;
     }
-    const auto dcf_text = read_dcf(folder, *path);
+    std::string path = listed->path;
+    auto dcf_text = read_dcf(folder, path);
+    if (!dcf_text && find) {
+      if (const auto other = find(folder, path)) {
+        path = *other;
+        dcf_text = read_dcf(folder, path);
+      }
+    }
     if (!dcf_text) {
-      result.errors.push_back(who + dcf_text.error());
+      result.errors.push_back(place + dcf_text.error());
       continue;
     }
     const Commissioned own = commissioned(*dcf_text);
     result.members.push_back(
-        {.node_id = node.node_id, .name = node.name, .path = folder + *path, .is_manager = own.is_manager});
+        {.node_id = node.node_id, .name = node.name, .path = folder + path, .is_manager = own.is_manager});
     if (own.bit_rate != 0) rate = rate.value_or(own.bit_rate) == own.bit_rate ? own.bit_rate : 0;
   }
   result.bit_rate = rate.value_or(0);

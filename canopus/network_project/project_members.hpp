@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "canopus/network_project/nodelist.hpp"
+
 namespace canopus::network_project {
 
 struct ProjectMember {
@@ -25,10 +27,11 @@ struct ProjectMembers {
 
 /// `list`: path of nodelist.cpj; `text`: its contents, or a sentence why it cannot be read; `network`: from
 /// 0. `read_dcf` gives the content of the file `name` below `folder`, that of the list ("" or with '/' at its
-/// end), and of no other folder; its error is a sentence that names the file.
+/// end), and of no other folder; its error is a sentence that names the file. `find` is asked when it has one.
 [[nodiscard]] ProjectMembers read_members(
     const std::string& list, const std::expected<std::string, std::string>& text, std::size_t network,
     const std::function<std::expected<std::string, std::string>(const std::string& folder,
-                                                                const std::string& name)>& read_dcf);
+                                                                const std::string& name)>& read_dcf,
+    const FindFile& find = {});
 
 }  // namespace canopus::network_project

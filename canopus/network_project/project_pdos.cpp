@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/network_project/network_project.hpp"
 
 namespace canopus::network_project {
@@ -35,7 +36,7 @@ Done NetworkProject::set_pdo(std::uint8_t node_id, const Pdo& pdo) {
   };
   if (pdo.mapping != own->mapping && !own->can_change_mapping) return refuse("has a fixed mapping");
   if (pdo.mapping.size() > own->most_objects && pdo.mapping != own->mapping) {
-    return refuse(fmt::format("maps at most {} objects", own->most_objects));
+    return refuse(fmt::format("maps at most {}", ascii::counted(own->most_objects, "object")));
   }
   if (pdo.bits() > 64) return refuse(fmt::format("would have {} bits; 64 at most", pdo.bits()));
   eds::DeviceText text = *(*node)->text;

@@ -74,7 +74,99 @@ TEST(CommunicationDefault, IsNoted) {
   EXPECT_THAT(all_problems(read_device_file(variable("1014", ""))),
               HasSubstr("note: 1014H has no value: taken as $NODEID+80H, the default of CiA 301"));
   EXPECT_THAT(all_problems(read_device_file(record("1804", ""))),
-              HasSubstr("note: 1804H:01 has no value: taken as 80000000H, the default of CiA 301"));
+              HasSubstr("note: 1804:01 has no value: taken as 80000000H, the default of CiA 301"));
+}
+
+/// One sub-index of the communication profile that has no DataType.
+canopen::DataType type_without(const std::string& index, std::uint8_t sub, bool is_variable = false) {
+  std::string text = base + "[" + index + "]\nParameterName=X\n";
+  const std::string keys = "AccessType=rw\n";
+  if (is_variable) {
+    text += "ObjectType=7\n" + keys;
+  } else {
+    text +=
+        "ObjectType=9\nSubNumber=2\n[" + index + "sub" + std::to_string(sub) + "]\nParameterName=M\n" + keys;
+  }
+  const ReadResult result = read_device_file(text);
+  EXPECT_FALSE(result.has_losses()) << all_problems(result);
+  const auto number = static_cast<std::uint16_t>(std::stoul(index, nullptr, 16));
+  return result.file->dictionary->find(number, sub).description->type;
+}
+
+// [CiA 301 7.5.2, CiA 302-2]
+TEST(StandardType, OfAnObjectWithoutOneIsTheStandards) {
+  using enum canopen::DataType;
+  const std::pair<const char*, canopen::DataType> variables[] = {
+      {"1002", unsigned32},     {"1005", unsigned32},     {"1006", unsigned32}, {"1007", unsigned32},
+      {"1008", visible_string}, {"100A", visible_string}, {"100C", unsigned16}, {"100D", unsigned8},
+      {"1014", unsigned32},     {"1015", unsigned16},     {"1017", unsigned16}, {"1019", unsigned8},
+      {"1021", domain},         {"102A", unsigned16},     {"1F80", unsigned32}, {"1F89", unsigned32}};
+  for (const auto& [index, type] : variables) EXPECT_EQ(type_without(index, 0, true), type) << index;
+  struct Member {
+    const char* index;
+    std::uint8_t sub;
+    canopen::DataType type;
+  };
+  const Member members[] = {{"1003", 1, unsigned32}, {"1010", 1, unsigned32}, {"1016", 3, unsigned32},
+                            {"1029", 1, unsigned8},  {"1200", 1, unsigned32}, {"1280", 3, unsigned8},
+                            {"1400", 1, unsigned32}, {"15FF", 2, unsigned8},  {"1800", 3, unsigned16},
+                            {"1800", 5, unsigned16}, {"1800", 6, unsigned8},  {"1600", 1, unsigned32},
+                            {"1A00", 8, unsigned32}, {"1F22", 2, domain},     {"1F81", 5, unsigned32},
+                            {"1F82", 9, unsigned8},  {"1FA0", 1, unsigned32}, {"1FD0", 1, unsigned64}};
+  for (const Member& member : members)
+    EXPECT_EQ(type_without(member.index, member.sub), member.type) << member.index << ':' << int{member.sub};
+}
+
+TEST(StandardType, IsNoted_AndTheFilesOwnCounts) {
+  const std::string error_register = "[1001]\nParameterName=E\nObjectType=7\nAccessType=ro\n";
+  std::string text = base;
+  const std::size_t at = text.find("[1001]");
+  text.replace(at, text.find("[1018]") - at, error_register);
+  const ReadResult result = read_device_file(text);
+  EXPECT_EQ(value(result, 0x1001), (std::vector<std::uint8_t>{0}));  // one byte
+  EXPECT_THAT(all_problems(result),
+              HasSubstr("note: 1001:00 has no DataType: taken as UNSIGNED8, as CiA 301 has it"));
+  EXPECT_EQ(value(read_device_file(variable("1015", "DefaultValue=7\n")), 0x1015).size(), 4U);  // DataType=7
+}
+
+TEST(StandardType, OfARecordThatHasAStructureAsItsType) {
+  const std::string text = base +
+                           "[1400]\nParameterName=R\nObjectType=9\nDataType=0x20\nSubNumber=3\n"
+                           "[1400sub0]\nParameterName=N\nAccessType=ro\nDefaultValue=2\n"
+                           "[1400sub1]\nParameterName=C\nAccessType=rw\nDefaultValue=$NODEID+0x200\n"
+                           "[1400sub2]\nParameterName=T\nAccessType=rw\nDefaultValue=1\n";
+  const ReadResult result = read_device_file(text);
+  EXPECT_EQ(value(result, 0x1400, 1), (std::vector<std::uint8_t>{0x05, 0x02, 0, 0}));
+  EXPECT_EQ(value(result, 0x1400, 2), (std::vector<std::uint8_t>{1}));
+  EXPECT_FALSE(result.has_losses()) << all_problems(result);
+}
+
+TEST(PdoCobId, OfSeveralNumbers_StaysOff) {
+  for (const char* const text :
+       {"$NODEID+0x80000000+0x200", "0x80000000+0x200+$NODEID", "0x80000000 + $nodeid + 512",
+        "$NODEID+0x80000280-0x80", "($NODEID+0x200)+0x80000000"}) {
+    EXPECT_EQ(number(record("1400", std::string("DefaultValue=") + text + "\n"), 0x1400, 1), 0x8000'0205U)
+        << text;
+  }
+}
+
+TEST(PdoCobId, ThatCannotBeRead_StaysOff) {
+  for (const char* const text : {"none", "$NODEID*2+0x200", "$NODEID+0x200+$NODEID", "0x200 or 0x300",
+                                 "$NODEID+0x180000200", "-1", "%NODE%+0x200"}) {
+    for (const char* const index : {"1400", "1803", "1405"}) {
+      SCOPED_TRACE(std::string(index) + ' ' + text);
+      const ReadResult result = read_device_file(record(index, std::string("DefaultValue=") + text + "\n"));
+      const auto object = static_cast<std::uint16_t>(std::stoul(index, nullptr, 16));
+      EXPECT_EQ(default_value(*result.file->dictionary, object, 1, 5), 0x8000'0000U);
+      EXPECT_THAT(all_problems(result), HasSubstr(std::string("loss: DefaultValue=") + text + " of " + index +
+                                                  ":01 is no COB-ID: the PDO is switched off, 80000000H"));
+    }
+  }
+}
+
+TEST(PdoCobId, OfAConfigurationThatCannotBeRead_DoesNotFallBackToItsDefault) {
+  const std::string text = record("1400", "DefaultValue=$NODEID+0x200\nParameterValue=later\n");
+  EXPECT_EQ(number(text, 0x1400, 1), 0x8000'0000U);
 }
 
 TEST(CommunicationDefault, DoesNotReplaceAValue) {
@@ -89,9 +181,9 @@ struct Restricted {
   const char* message;
 };
 const Restricted restricted[] = {
-    {"1005", "0", "1005H is 00000000H: CiA 301 restricts CAN-ID 000H, SYNC is neither sent nor heard"},
+    {"1005", "0", "1005H is 00000000H: CiA 301 restricts CAN-ID 000H, SYNC is neither sent nor received"},
     {"1012", "0x80000180",
-     "1012H is 80000180H: CiA 301 restricts CAN-ID 180H, TIME is neither sent nor heard"},
+     "1012H is 80000180H: CiA 301 restricts CAN-ID 180H, TIME is neither sent nor received"},
     {"1014", "0", "1014H is 00000000H: CiA 301 restricts CAN-ID 000H, EMCY is not sent"},
     {"1014", "$NODEID+0x700", "1014H is $NODEID+700H: CiA 301 restricts such a CAN-ID, EMCY is not sent"},
 };
@@ -108,12 +200,12 @@ TEST(RestrictedIdentifier, OfAPdoOrSdoIsReported) {
     return all_problems(read_device_file(record(index, "DefaultValue=" + value + "\n")));
   };
   EXPECT_THAT(problems("1800", "0"),
-              HasSubstr("warning: 1800H:01 is 00000000H: CiA 301 restricts CAN-ID 000H, TPDO1 is not sent"));
+              HasSubstr("warning: 1800:01 is 00000000H: CiA 301 restricts CAN-ID 000H, TPDO1 is not sent"));
   EXPECT_THAT(problems("1405", "0x40000601"),
-              HasSubstr("1405H:01 is 40000601H: CiA 301 restricts CAN-ID 601H, RPDO6 is not heard"));
+              HasSubstr("1405:01 is 40000601H: CiA 301 restricts CAN-ID 601H, RPDO6 is not received"));
   EXPECT_THAT(
       problems("1201", "0x605"),
-      HasSubstr("1201H:01 is 00000605H: CiA 301 restricts CAN-ID 605H, the SDO server does not exist"));
+      HasSubstr("1201:01 is 00000605H: CiA 301 restricts CAN-ID 605H, the SDO server does not exist"));
 }
 
 TEST(RestrictedIdentifier, ThatIsSwitchedOffOrAllowedIsNotReported) {

@@ -99,21 +99,21 @@ TEST(ConfigurationText, ValueOfACompactMember_StandsInItsList) {
 TEST(ConfigurationText, ValueThatDoesNotFit_IsRefused_AndChangesNothing) {
   IniText file(with_variable("DataType=5\nLowLimit=2\nHighLimit=0x10\n"));
   const std::string before = file.text();
-  EXPECT_TRUE(error_of(file, 0x2000, 0, "256").starts_with("ParameterValue=256 of 2000H:00 "));
-  EXPECT_TRUE(error_of(file, 0x2000, 0, "many").starts_with("ParameterValue=many of 2000H:00 "));
-  EXPECT_EQ(error_of(file, 0x2000, 0, "1"), "ParameterValue=1 of 2000H:00 is below its LowLimit");
-  EXPECT_EQ(error_of(file, 0x2000, 0, "17"), "ParameterValue=17 of 2000H:00 is above its HighLimit");
-  EXPECT_EQ(error_of(file, 0x2000, 0, " "), "no value is given for 2000H:00");
+  EXPECT_TRUE(error_of(file, 0x2000, 0, "256").starts_with("ParameterValue=256 of 2000:00 "));
+  EXPECT_TRUE(error_of(file, 0x2000, 0, "many").starts_with("ParameterValue=many of 2000:00 "));
+  EXPECT_EQ(error_of(file, 0x2000, 0, "1"), "ParameterValue=1 of 2000:00 is below its LowLimit");
+  EXPECT_EQ(error_of(file, 0x2000, 0, "17"), "ParameterValue=17 of 2000:00 is above its HighLimit");
+  EXPECT_EQ(error_of(file, 0x2000, 0, " "), "no value is given for 2000:00");
   EXPECT_EQ(error_of(file, 0x2001, 0, "1"), "the file has no object 2001H");
-  EXPECT_EQ(error_of(file, 0x2000, 1, "1"), "the file has no sub-index 2000H:01");
+  EXPECT_EQ(error_of(file, 0x2000, 1, "1"), "the file has no sub-index 2000:01");
   EXPECT_NE(error_of(file, 0x2000, 0, "2\n[1000]"), "");
   EXPECT_EQ(file.text(), before);
   EXPECT_EQ(error_of(file, 0x2000, 0, "16"), "");
 
   IniText list(compact);
-  EXPECT_EQ(error_of(list, 0x2000, 12, "10"), "ParameterValue=10 of 2000H:0C is above its HighLimit");
-  EXPECT_EQ(error_of(list, 0x2000, 13, "5"), "the file has no sub-index 2000H:0D");
-  EXPECT_TRUE(error_of(list, 0x2000, 0, "5").starts_with("the file has no section for 2000H:00"));
+  EXPECT_EQ(error_of(list, 0x2000, 12, "10"), "ParameterValue=10 of 2000:0C is above its HighLimit");
+  EXPECT_EQ(error_of(list, 0x2000, 13, "5"), "the file has no sub-index 2000:0D");
+  EXPECT_TRUE(error_of(list, 0x2000, 0, "5").starts_with("the file has no section for 2000:00"));
   EXPECT_EQ(list.text(), compact);
 }
 

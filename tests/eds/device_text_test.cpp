@@ -90,13 +90,13 @@ TEST(DeviceText, ValueOfASubIndex_StandsInItsElement) {
 TEST(DeviceText, UnusableValue_IsRefusedAndChangesNothing) {
   DeviceText file(xdd(variable));
   EXPECT_EQ(error_of(file.set_parameter_value(0x2000, 0, "x")),
-            "actualValue=x of 2000H:00 is not a number; expected 0 to 255");
+            "actualValue=x of 2000:00 is not a number; expected 0 to 255");
   EXPECT_EQ(error_of(file.set_parameter_value(0x2000, 0, "10")),
-            "actualValue=10 of 2000H:00 is above its HighLimit");
-  EXPECT_EQ(error_of(file.set_parameter_value(0x2000, 0, " ")), "no value is given for 2000H:00");
-  EXPECT_EQ(error_of(file.set_parameter_value(0x2000, 1, "1")), "the file has no sub-index 2000H:01");
-  EXPECT_EQ(error_of(file.set_parameter_value(0x3000, 0, "1")), "the file has no sub-index 3000H:00");
-  EXPECT_EQ(error_of(file.remove_parameter_value(0x3000, 0)), "the file has no sub-index 3000H:00");
+            "actualValue=10 of 2000:00 is above its HighLimit");
+  EXPECT_EQ(error_of(file.set_parameter_value(0x2000, 0, " ")), "no value is given for 2000:00");
+  EXPECT_EQ(error_of(file.set_parameter_value(0x2000, 1, "1")), "the file has no sub-index 2000:01");
+  EXPECT_EQ(error_of(file.set_parameter_value(0x3000, 0, "1")), "the file has no sub-index 3000:00");
+  EXPECT_EQ(error_of(file.remove_parameter_value(0x3000, 0)), "the file has no sub-index 3000:00");
   EXPECT_EQ(file.text(), xdd(variable));
 }
 
@@ -105,7 +105,7 @@ TEST(DeviceText, SubIndexThatTheReaderMade_HasNoPlaceForAValue) {
       xdd("<CANopenObject index=\"2000\" name=\"A\" objectType=\"8\">\n<CANopenSubObject subIndex=\"01\" "
           "name=\"B\" dataType=\"0005\" accessType=\"rw\"/></CANopenObject>\n"));
   EXPECT_EQ(error_of(file.set_parameter_value(0x2000, 0, "1")),
-            "the file has no element for 2000H:00, so no place for its value");
+            "the file has no element for 2000:00, so no place for its value");
 }
 
 const std::string parameter =

@@ -12,7 +12,7 @@ struct Read {
   IniFile file;
   explicit Read(std::string_view text) : file(text, problems) {}
   std::string first_problem() {
-    const auto list = problems.take();
+    const auto list = problems.release();
     if (list.empty()) return "";
     return std::to_string(list[0].line) + ": " + std::string(name(list[0].severity)) + ": " + list[0].message;
   }
@@ -110,7 +110,7 @@ TEST(Ini, BytesThatAreNotUtf8_AreSeenWhereverTheyStand) {
 TEST(Problems, Repeated_AreToldOnceAndCounted) {
   Problems problems;
   for (unsigned line = 5; line < 9; ++line) problems.repeated(Problem::Severity::note, "kind", line, "odd");
-  const auto list = problems.take();
+  const auto list = problems.release();
   ASSERT_EQ(list.size(), 1U);
   EXPECT_EQ(list[0].line, 5U);
   EXPECT_EQ(list[0].message, "odd (and in 3 more places)");
@@ -123,7 +123,7 @@ TEST(Problems, List_IsWorstFirstThenByLine) {
   problems.warning(4, "w4");
   problems.error(7, "e");
   std::string order;
-  for (const Problem& problem : problems.take()) order += problem.message + ' ';
+  for (const Problem& problem : problems.release()) order += problem.message + ' ';
   EXPECT_EQ(order, "e w4 w9 n ");
 }
 

@@ -149,23 +149,39 @@ TEST(IniText, WhatWouldNotBeReadAgain_IsRefused) {
 TEST(IniText, Umlaut_IsWrittenAsTheFileIsEncoded) {
   EXPECT_EQ(after("[A]\nX=1\n", "A", "X", "\xC3\xBC"), "[A]\nX=\xC3\xBC\n") << "plain ASCII: UTF-8";
   EXPECT_EQ(after("[A]\nX=1\nY=\xE4\n", "A", "X", "\xC3\xBC"), "[A]\nX=\xFC\nY=\xE4\n") << "Windows Latin";
-  EXPECT_TRUE(after("[A]\nX=1\nY=\xE4\n", "A", "X", "\xE2\x82\xAC").starts_with("refused: "))
-      << "no euro in it";
+  EXPECT_EQ(after("[A]\nX=1\nY=\xE4\n", "A", "X", "\xE2\x82\xAC"), "[A]\nX=\x80\nY=\xE4\n")
+      << "CP1252 has the euro";
+  EXPECT_TRUE(after("[A]\nX=1\nY=\xE4\n", "A", "X", "\xE7\x94\xB5").starts_with("refused: "))
+      << "no Chinese letter in it";
   EXPECT_TRUE(after("[A]\nX=1\nY=\xE4\n", "A", "X", "\xC3\x83\xC2\xBC").starts_with("refused: "))
       << "reads as UTF-8";
   EXPECT_EQ(IniText("[A]\nY=\xE4\n").value("A", "Y"), "\xC3\xA4");
 }
 
-TEST(IniText, Utf16_IsKeptButNotChanged) {
+TEST(IniText, Utf16_IsChangedAsUtf16) {
   const std::string text(
       "\xFF\xFE[\0A\0]\0\n\0X\0=\0"
       "1\0",
       16);
   IniText file(text);
-  EXPECT_FALSE(file.problem().empty());
-  EXPECT_NE(set(file, "A", "X", "2"), "");
-  EXPECT_FALSE(file.remove("A", "X").has_value());
   EXPECT_EQ(file.text(), text);
+  EXPECT_EQ(set(file, "A", "X", "2"), "");
+  std::string changed = text;
+  changed[14] = '2';
+  EXPECT_EQ(file.text(), changed);
+  ASSERT_TRUE(file.remove("A", "X"));
+  EXPECT_EQ(file.text(), text.substr(0, 10));
+}
+
+TEST(IniText, DamagedUtf16_IsKeptButNotChanged) {
+  for (const std::string& text :
+       {std::string("\xFF\xFE[\0A\0]", 7), std::string("\xFF\xFE[\0\0\xD8]\0", 8)}) {
+    IniText file(text);
+    EXPECT_EQ(file.problem(), "the file is not the UTF-16LE text that it begins as: save it as UTF-8 text");
+    EXPECT_NE(set(file, "A", "X", "2"), "");
+    EXPECT_FALSE(file.remove("A", "X").has_value());
+    EXPECT_EQ(file.text(), text);
+  }
 }
 
 TEST(IniText, LargerThan4MiB_IsKeptButNeitherReadNorChanged) {

@@ -49,7 +49,7 @@ TEST(Modules, OfATypeThatIsNotThere_LeaveTheSlotEmpty) {
   const auto result = read_device_file(base + modules + "[ConnectedModules]\nNrOfEntries=1\n1=3\n");
   EXPECT_TRUE(result.file->connected.empty());
   EXPECT_EQ(problem(result, 65),
-            "warning: 1=3 in [ConnectedModules]: there are modules 1 to 2: slot left empty");
+            "loss: 1=3 in [ConnectedModules]: there are modules 1 to 2: slot left empty");
 }
 
 }  // namespace

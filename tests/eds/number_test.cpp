@@ -50,6 +50,19 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"1280+$NODEID", 1280, true, "not written as $NODEID+number"},
         Case{"NODEID+1", 1, true, "not written as $NODEID+number"}));
 
+INSTANTIATE_TEST_SUITE_P(
+    Formulas, NumberAsWritten,
+    testing::Values(Case{"$NODEID+0x80000000+0x200", 0x8000'0200, true, "not written as $NODEID+number"},
+                    Case{"0x80000000+0x200+$NODEID", 0x8000'0200, true, "not written as $NODEID+number"},
+                    Case{"0x200 + $nodeid + 0x80000000", 0x8000'0200, true, "not written as $NODEID+number"},
+                    Case{"0x80000000+($NODEID+0x200)", 0x8000'0200, true, "not written as $NODEID+number"},
+                    Case{"$NODEID+0x280-0x80", 0x200, true, "not written as $NODEID+number"},
+                    Case{"2*0x100+$NODEID", 0x200, true, "not written as $NODEID+number"},
+                    Case{"$NODEID*1+512", 512, true, "not written as $NODEID+number"},
+                    Case{"-16+$NODEID", 0xFFFF'FFFF'FFFF'FFF0, true, "not written as $NODEID+number"},
+                    Case{"$NODEID+512 ; RPDO1", 512, true, "a comment behind the number"},
+                    Case{"0x80000000+0x200", 0x8000'0200, false, "a formula where a number belongs"}));
+
 RC_GTEST_PROP(Number, AnyOf64Bits_InEveryUsualSpelling, ()) {
   const auto any = *rc::gen::arbitrary<std::uint64_t>();
   const std::uint64_t value = any >> *rc::gen::inRange(0, 64);
@@ -74,7 +87,11 @@ INSTANTIATE_TEST_SUITE_P(Texts, NoNumber,
                          testing::Values("", "0x", "-", "N/A", "12 apples", "0x10000000000000000",
                                          "99999999999999999999", "$NODEID*2", "1 << 3", "0x0x1", "--1",
                                          "$NODEID+$NODEID", "0x1G", "0x@", "12:", "1 2 apples",
-                                         "0x123456789012345678"));
+                                         "0x123456789012345678", "$NODEID+", "+", "$NODEID 0x200",
+                                         "2*$NODEID", "-$NODEID", "($NODEID+0x200", "$NODEID+0x200)",
+                                         "$NODEID+()", "12-10-2024", "1+2", "$NODEID+0xFFFFFFFFFFFFFFFF+1",
+                                         "$NODEID**2", "(((((((((($NODEID))))))))))", "face-b",
+                                         "$NODEID+banana"));
 
 TEST(Real, Real_TakesPointAndComma) {
   EXPECT_EQ(read_real("1.5"), 1.5);

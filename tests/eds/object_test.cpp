@@ -133,7 +133,7 @@ TEST(Compact, ValueOfASubIndexThatIsNotThere_IsTold) {
   const auto result = object(
       "[2000]\nParameterName=C\nObjectType=8\nDataType=6\nAccessType=rw\nCompactSubObj=2\n"
       "[2000Value]\nNrOfEntries=1\n3=1\n");
-  EXPECT_EQ(problem(result, 45), "warning: 3 in [2000Value]: 2000H has sub-indexes 1..2");
+  EXPECT_EQ(problem(result, 45), "loss: 3 in [2000Value]: 2000H has sub-indexes 1..2: left out");
 }
 
 TEST(Lists, WrongCount_IsTold) {
@@ -146,8 +146,7 @@ TEST(Lists, WrongCount_IsTold) {
 
 TEST(Lists, ObjectWithoutSection_IsLeftOut) {
   const auto result = read_device_file(base + "[OptionalObjects]\nSupportedObjects=1\n1=0x6505\n");
-  EXPECT_EQ(problem(result, 36),
-            "warning: 1=0x6505 in [OptionalObjects]: there is no section [6505]: left out");
+  EXPECT_EQ(problem(result, 36), "loss: 1=0x6505 in [OptionalObjects]: there is no section [6505]: left out");
 }
 
 TEST(Lists, SectionThatIsNotListed_IsTakenIn) {
@@ -210,7 +209,7 @@ TEST(Dcf, NodeIdOutOfRange_IsTakenAsNotGiven) {
   const auto result = read_device_file(base + "[DeviceComissioning]\nNodeID=128\n");
   EXPECT_FALSE(result.file->commissioning->node_id);
   EXPECT_EQ(problem(result, 35),
-            "warning: NodeID=128 in [DeviceComissioning]: a node-ID is 1 to 127: taken as not given");
+            "loss: NodeID=128 in [DeviceComissioning]: a node-ID is 1 to 127: taken as not given");
 }
 
 struct Refusal {
@@ -237,7 +236,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Refusal{"\nhello\n", 2, "this is not an EDS or DCF: there is not one [section]"},
                     Refusal{"\x7F"
                             "ELF\x02\x01\n",
-                            1, "this is not an EDS or DCF: there is not one [section]"},
+                            1, "this is a program and no device file of CANopen (EDS, DCF, XDD or XDC)"},
                     Refusal{"; nothing\n[FileInfo]\nFileName=x\n", 2,
                             "no object is described: an EDS has sections such as [1000] and [1018sub1]"}));
 

@@ -34,17 +34,17 @@ std::string tpdo(const std::vector<std::string>& entries,
 
 TEST(Mapping, OfAMissingObject_IsTold) {
   EXPECT_THAT(all_problems(read_device_file(tpdo({"0x60010008"}))),
-              HasSubstr("warning: TPDO1 maps 6001H:00, which does not exist"));
+              HasSubstr("loss: TPDO1 maps 6001:00, which does not exist"));
 }
 
 TEST(Mapping, WithTheWrongLength_IsTold) {
   EXPECT_THAT(all_problems(read_device_file(tpdo({"0x60000010"}))),
-              HasSubstr("warning: TPDO1 maps 6000H:00 with 16 bits, it has 8"));
+              HasSubstr("loss: TPDO1 maps 6000:00 with 16 bits, it has 8"));
 }
 
 TEST(Mapping, OfMoreThan64Bits_IsTold) {
   EXPECT_THAT(all_problems(read_device_file(tpdo(std::vector<std::string>(9, "0x60000008")))),
-              HasSubstr("warning: TPDO1 maps 72 bits: a PDO holds 64"));
+              HasSubstr("loss: TPDO1 maps 72 bits: a PDO holds 64"));
 }
 
 TEST(Mapping, ByDefault_MakesItsObjectMappable) {
@@ -52,7 +52,7 @@ TEST(Mapping, ByDefault_MakesItsObjectMappable) {
   EXPECT_TRUE(result.file->dictionary->find(0x6000, 0).description->tpdo_mappable);
   EXPECT_FALSE(result.file->dictionary->find(0x6000, 0).description->rpdo_mappable);
   EXPECT_THAT(all_problems(result),
-              HasSubstr("warning: TPDO1 maps 6000H:00 by default, but its PDOMapping and "
+              HasSubstr("warning: TPDO1 maps 6000:00 by default, but its PDOMapping and "
                         "AccessType (line 49) forbid it: allowed"));
 }
 
@@ -77,7 +77,7 @@ TEST(CobId, WithoutItsNodeId_GetsIt) {
   const auto result = read_device_file(text);
   EXPECT_THAT(value(result, 0x1800, 1), ElementsAre(0x85, 0x01, 0, 0));
   EXPECT_EQ(problem(result, 44),
-            "warning: the COB-ID 1800H:01 would be the same in every node: $NODEID is added");
+            "warning: the COB-ID 1800:01 would be the same in every node: $NODEID is added");
 }
 
 TEST(CobId, OfOnesOwn_IsLeftAlone) {

@@ -52,28 +52,25 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Value, TooLarge_IsCutAndTold) {
   const auto result = variable("DataType=5\nDefaultValue=0x1FF\n");
   EXPECT_THAT(value(result, 0x2000), ElementsAre(0xFF));
-  EXPECT_EQ(problem(result, 41),
-            "warning: DefaultValue=0x1FF of 2000H:00 does not fit UNSIGNED8: taken as 0xFF");
+  EXPECT_EQ(problem(result, 41), "loss: DefaultValue=0x1FF of 2000:00 does not fit UNSIGNED8: taken as 0xFF");
 }
 
 TEST(Value, NegativeOfAnUnsigned_IsTakenAsBitPattern) {
   const auto result = variable("DataType=6\nDefaultValue=-1\n");
   EXPECT_THAT(value(result, 0x2000), ElementsAre(0xFF, 0xFF));
-  EXPECT_EQ(problem(result, 41),
-            "warning: DefaultValue=-1 of 2000H:00 does not fit UNSIGNED16: taken as 0xFFFF");
+  EXPECT_EQ(problem(result, 41), "loss: DefaultValue=-1 of 2000:00 does not fit UNSIGNED16: taken as 0xFFFF");
 }
 
 TEST(Value, Garbage_IsTakenAsNotGiven) {
   const auto result = variable("DataType=7\nDefaultValue=banana\n");
   EXPECT_THAT(value(result, 0x2000), ElementsAre(0, 0, 0, 0));
-  EXPECT_EQ(problem(result, 41),
-            "warning: DefaultValue=banana of 2000H:00 is not a number: taken as not given");
+  EXPECT_EQ(problem(result, 41), "loss: DefaultValue=banana of 2000:00 is not a number: taken as not given");
 }
 
 TEST(Value, QuotedText_LosesItsQuotes) {
   const auto result = variable("DataType=9\nDefaultValue=\"IOCB\"\n");
   EXPECT_THAT(value(result, 0x2000), ElementsAre('I', 'O', 'C', 'B'));
-  EXPECT_EQ(problem(result, 41), "note: DefaultValue=\"IOCB\" of 2000H:00: quotes round a text");
+  EXPECT_EQ(problem(result, 41), "note: DefaultValue=\"IOCB\" of 2000:00: quotes round a text");
 }
 
 TEST(Value, ParameterValue_WinsOverTheDefault) {
@@ -87,7 +84,7 @@ TEST(Value, ParameterValue_WinsOverTheDefault) {
 TEST(Value, ParameterValueWithoutANode_IsNoted) {
   const auto result = variable("DataType=5\nParameterValue=2\n");
   EXPECT_EQ(problem(result, 41),
-            "note: 2000H:00 has a ParameterValue, which counts, but the file has no [DeviceComissioning]");
+            "note: 2000:00 has a ParameterValue, which counts, but the file has no [DeviceComissioning]");
 }
 
 TEST(Limits, Limits_AreWatchedByTheDictionary) {
@@ -112,17 +109,26 @@ TEST(Limits, LowAboveHigh_AreNoLimits) {
   const auto result = variable("DataType=5\nLowLimit=9\nHighLimit=3\n");
   canopen::ObjectDictionary dictionary(result.file->dictionary, 5);
   EXPECT_EQ(dictionary.write(0x2000, 0, std::vector<std::uint8_t>{20}, {}), canopen::AbortCode::none);
-  EXPECT_EQ(problem(result, 41), "warning: LowLimit=9 of 2000H:00 is above HighLimit=3: no limits");
+  EXPECT_EQ(problem(result, 41), "loss: LowLimit=9 of 2000:00 is above HighLimit=3: no limits");
 }
 
 TEST(Limits, LimitOutsideTheType_IsNoLimit) {
   const auto result = variable("DataType=5\nHighLimit=70000\n");
-  EXPECT_EQ(problem(result, 41), "warning: HighLimit=70000 of 2000H:00 is outside UNSIGNED8: no limit");
+  EXPECT_EQ(problem(result, 41), "warning: HighLimit=70000 of 2000:00 is outside UNSIGNED8: no limit");
+}
+
+TEST(Limits, LimitThatWouldKeepValuesOut_IsALossWhereItIsDropped) {
+  EXPECT_EQ(problem(variable("DataType=5\nLowLimit=300\n"), 41),
+            "loss: LowLimit=300 of 2000:00 is outside UNSIGNED8: no limit");
+  EXPECT_EQ(problem(variable("DataType=5\nHighLimit=$NODEID+4\n"), 41),
+            "loss: HighLimit=$NODEID+4 of 2000:00 depends on the node-ID: no limit");
+  EXPECT_EQ(problem(variable("DataType=5\nHighLimit=many\n"), 41),
+            "loss: HighLimit=many of 2000:00 is not a number: no limit");
 }
 
 TEST(Limits, DefaultOutsideItsLimits_IsTold) {
   const auto result = variable("DataType=5\nDefaultValue=1\nLowLimit=2\n");
-  EXPECT_EQ(problem(result, 41), "warning: the value of 2000H:00 is below LowLimit=2 in line 42");
+  EXPECT_EQ(problem(result, 41), "warning: the value of 2000:00 is below LowLimit=2 in line 42");
 }
 
 TEST(Limits, EmptyLimits_AreNone) {
@@ -138,8 +144,7 @@ TEST(Limits, FullRange_CostsNothing) {
 TEST(Type, Unknown_IsTakenAsDomain) {
   const auto result = variable("DataType=0x40\n");
   EXPECT_EQ(result.file->dictionary->find(0x2000, 0).description->type, canopen::DataType::domain);
-  EXPECT_EQ(problem(result, 40),
-            "warning: DataType=0x40 in [2000] is no data type known here: taken as DOMAIN");
+  EXPECT_EQ(problem(result, 40), "loss: DataType=0x40 in [2000] is no data type known here: taken as DOMAIN");
 }
 
 TEST(Type, Word_IsUnderstood) {
@@ -150,7 +155,7 @@ TEST(Type, Word_IsUnderstood) {
 
 TEST(Type, Missing_IsTakenAsUnsigned32) {
   const auto result = variable("PDOMapping=0\n");
-  EXPECT_EQ(problem(result, 37), "warning: 2000H:00 has no DataType: taken as UNSIGNED32");
+  EXPECT_EQ(problem(result, 37), "loss: 2000:00 has no DataType: taken as UNSIGNED32");
 }
 
 struct MappingCase {
@@ -177,7 +182,7 @@ INSTANTIATE_TEST_SUITE_P(Access, Mappable,
 TEST(AccessType, Capitals_AreUnderstood) {
   const auto result = read_device_file(with_object("[2000]\nParameterName=V\nDataType=5\nAccessType=RO\n"));
   EXPECT_EQ(result.file->dictionary->find(0x2000, 0).description->access, canopen::Access::read_only);
-  EXPECT_EQ(problem(result, 40), "note: AccessType=RO of 2000H:00 is in capitals");
+  EXPECT_EQ(problem(result, 40), "note: AccessType=RO of 2000:00 is in capitals");
 }
 
 TEST(AccessType, Nonsense_IsTakenAsRw) {
@@ -185,7 +190,7 @@ TEST(AccessType, Nonsense_IsTakenAsRw) {
       read_device_file(with_object("[2000]\nParameterName=V\nDataType=5\nAccessType=maybe\n"));
   EXPECT_EQ(result.file->dictionary->find(0x2000, 0).description->access, canopen::Access::read_write);
   EXPECT_EQ(problem(result, 40),
-            "warning: AccessType=maybe of 2000H:00 is none of ro wo rw rwr rww const: taken as rw");
+            "loss: AccessType=maybe of 2000:00 is none of ro wo rw rwr rww const: taken as rw");
 }
 
 }  // namespace

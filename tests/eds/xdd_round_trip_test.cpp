@@ -40,7 +40,7 @@ std::string all_of(const DeviceFile& file, const canopen::ObjectDescription& obj
   const canopen::Access access =
       is_one_way && !what.rpdo_mappable && !what.tpdo_mappable ? canopen::Access::read_write : what.access;
   std::ostringstream text;
-  text << object_name(object.index, sub) << " " << name(what.type) << " access " << static_cast<int>(access)
+  text << object_text(object.index, sub) << " " << name(what.type) << " access " << static_cast<int>(access)
        << (what.rpdo_mappable ? " rpdo" : "") << (what.tpdo_mappable ? " tpdo" : "")
        << (what.stored ? " stored" : "");
   if (limits.low) text << " low " << *limits.low;
@@ -207,6 +207,22 @@ TEST(XddWriter, WhatAnXddCannotSay_IsAWarning) {
   EXPECT_NE(read_device_file(write_xdd(*read.file).text).file, nullptr);
 }
 
+TEST(XddWriter, WhatItWritesOtherwise_IsNamed) {
+  const auto warnings_of = [](const std::string& info, const std::string& device) {
+    std::string text = base;
+    text.replace(text.find("[FileInfo]\n"), 11, "[FileInfo]\nCreationDate=12-31-2025\n" + info);
+    text.replace(text.find("[DeviceInfo]\n"), 13, "[DeviceInfo]\n" + device);
+    return joined(write_xdd(*read_device_file(text).file).warnings);
+  };
+  EXPECT_EQ(warnings_of("CreationTime=8:05AM\nModificationTime=04:49 PM\n", ""), "");
+  EXPECT_EQ(warnings_of("ModificationTime=00:00PM\n", ""),
+            "ModificationTime=00:00PM is written as 12:00:00\n");
+  EXPECT_EQ(warnings_of("CreationTime=noon\nModificationDate=31.12.2025\n", ""),
+            "CreationTime=noon is not as CiA 306 has it: left out\n"
+            "ModificationDate=31.12.2025 is not as CiA 306 has it: left out\n");
+  EXPECT_EQ(warnings_of("", "CompactPDO=3\n"), "CompactPDO=3 has no place in an XDD: its PDOs are written\n");
+}
+
 TEST(Losses, WhatADeviceFileHasNoPlaceFor_IsNamed) {
   EXPECT_EQ(joined(beyond_device_file(rich + "[Tools]\nItems=1\n[0005]\nParameterName=U8\nObjectType=5\n"
                                              "[2003ObjectLinks]\nObjectLinks=0\n[2004]\nParamRefd=x\n"
@@ -216,13 +232,14 @@ TEST(Losses, WhatADeviceFileHasNoPlaceFor_IsNamed) {
             "[2003ObjectLinks] has no place in a file written anew: left out\n"
             "objectlinks of 1 object has no place in a file written anew: left out\n"
             "paramrefd of 1 object has no place in a file written anew: left out\n");
-  std::string text = xdd("", "<ApplicationProcess><parameterList/></ApplicationProcess>");
+  std::string text = xdd("",
+                         "<ApplicationProcess><parameterList><parameter uniqueID=\"P\"><unit/></parameter>"
+                         "</parameterList></ApplicationProcess>");
   text.insert(text.find("</DeviceIdentity>"), "<instanceName>x</instanceName>");
-  EXPECT_EQ(
-      joined(beyond_device_file(text)),
-      "ApplicationProcess (descriptions, units and groups of parameters, types of their own) has no place in "
-      "other device files: left out\n"
-      "instanceName of DeviceIdentity has no place in other device files: left out\n");
+  EXPECT_EQ(joined(beyond_device_file(text)),
+            "ApplicationProcess (units and groups of parameters, types of their own) has no place in "
+            "other device files: left out\n"
+            "instanceName of DeviceIdentity has no place in other device files: left out\n");
   EXPECT_EQ(joined(beyond_device_file(base)), "");
 }
 
@@ -263,6 +280,8 @@ TEST(XddWriter, DatesAndTimes_AreThoseOfXml) {
   EXPECT_EQ(xdd_time("04:49PM"), "16:49:00");
   EXPECT_EQ(xdd_time("12:00AM"), "00:00:00");
   EXPECT_EQ(xdd_time("12:00pm"), "12:00:00");
+  EXPECT_EQ(xdd_time("8:05AM"), "08:05:00");
+  EXPECT_EQ(xdd_time("04:49 PM"), "16:49:00");
   EXPECT_EQ(xdd_time("4:49"), "");
 }
 

@@ -128,7 +128,7 @@ TEST(Xdd, MappingAgainstTheAccess_IsReported) {
   const ReadResult result =
       read_device_file(xdd(variable("dataType=\"0005\" accessType=\"ro\" PDOmapping=\"RPDO\"")));
   EXPECT_EQ(problem(result, xdd_object_line),
-            "warning: PDOmapping=RPDO in [CANopenObject 2000H], which is ro: taken as not to be mapped");
+            "loss: PDOmapping=RPDO in [CANopenObject 2000H], which is ro: taken as not to be mapped");
 }
 
 const std::string process =
@@ -212,13 +212,13 @@ TEST(XddParameter, TypeOfADomain_IsDomain) {
 TEST(XddParameter, CircleOfTypes_EndsWithoutAType) {
   const ReadResult result = with_parameter("uniqueIDRef=\"O\"");
   EXPECT_EQ(entry(result, 0x2000).description->type, DataType::unsigned32);
-  EXPECT_NE(all_problems(result).find("2000H:00 has no DataType: taken as UNSIGNED32"), std::string::npos);
+  EXPECT_NE(all_problems(result).find("2000:00 has no DataType: taken as UNSIGNED32"), std::string::npos);
 }
 
 TEST(XddParameter, UnknownReference_IsReported) {
   const ReadResult result = with_parameter("dataType=\"0005\" accessType=\"ro\" uniqueIDRef=\"X\"");
   EXPECT_NE(problem(result, xdd_object_line)
-                .find("warning: uniqueIDRef=X in [CANopenObject 2000H]: there is no such parameter"),
+                .find("loss: uniqueIDRef=X in [CANopenObject 2000H]: there is no such parameter"),
             std::string::npos);
 }
 
@@ -228,7 +228,7 @@ TEST(Xdd, ValueThatDoesNotFit_IsReportedWithItsPlaceInTheFile) {
           "defaultValue=\"0x1FF\"/>\n"));
   ASSERT_EQ(result.problems.size() >= 1, true);
   EXPECT_EQ(problem(result, xdd_object_line + 1),
-            "warning: defaultValue=0x1FF of 2000H:00 does not fit UNSIGNED8: taken as 0xFF");
+            "loss: defaultValue=0x1FF of 2000:00 does not fit UNSIGNED8: taken as 0xFF");
   EXPECT_EQ(result.problems.front().column, 32U);
 }
 
@@ -236,7 +236,7 @@ TEST(Xdd, IdentityThatDiffers_NamesTheElementOfTheFile) {
   std::string text = xdd("");
   text.replace(text.find(">0x1<"), 5, ">0x7<");
   EXPECT_NE(all_problems(read_device_file(text))
-                .find("1018H:01 is 1, but vendorID in [DeviceIdentity] is 7: the object counts"),
+                .find("1018:01 is 1, but vendorID in [DeviceIdentity] is 7: the object counts"),
             std::string::npos);
 }
 
@@ -303,14 +303,69 @@ TEST(Xdd, ObjectOrSubIndexTwice_TheFirstCounts) {
   const ReadResult result = read_device_file(xdd(variable(v + "\"3\"") + variable(v + "\"4\"")));
   EXPECT_EQ(value(result, 0x2000), (Bytes{3}));
   EXPECT_EQ(problem(result, xdd_object_line + 1),
-            "warning: 2000H was described in line " + std::to_string(xdd_object_line) + " before: left out");
+            "loss: 2000H was described in line " + std::to_string(xdd_object_line) + " before: left out");
+}
+
+/// 1400H with its sub-indexes written so.
+std::string record_with_subs(const char* zero, const char* one, const char* two) {
+  const auto member = [](const char* sub, const char* rest) {
+    return std::string("<CANopenSubObject subIndex=\"") + sub + "\" objectType=\"7\" name=\"m\" " + rest +
+           "/>\n";
+  };
+  return "<CANopenObject index=\"1400\" name=\"RPDO1\" objectType=\"9\" subNumber=\"3\">\n" +
+         member(zero, "dataType=\"0005\" accessType=\"ro\" defaultValue=\"2\"") +
+         member(one, "dataType=\"0007\" accessType=\"rw\" defaultValue=\"$NODEID+0x200\"") +
+         member(two, "dataType=\"0005\" accessType=\"rw\" defaultValue=\"1\"") + "</CANopenObject>\n";
+}
+
+TEST(Xdd, SubIndex_IsReadWithAnyNumberOfDigits) {
+  const char* const spellings[][3] = {
+      {"0000", "0001", "0002"},  // CANopenEditor's XDD 1.0
+      {"00", "01", "02"},       {"0", "1", "2"}, {"0x00", "0X01", "0x0002"}, {" 00", "01 ", "2"},
+  };
+  for (const auto& [zero, one, two] : spellings) {
+    SCOPED_TRACE(one);
+    const ReadResult result = read_device_file(xdd(record_with_subs(zero, one, two)));
+    EXPECT_EQ(value(result, 0x1400, 0), (Bytes{2}));
+    EXPECT_EQ(value(result, 0x1400, 1), (Bytes{0x05, 0x02, 0, 0}));
+    EXPECT_EQ(value(result, 0x1400, 2), (Bytes{1}));
+    EXPECT_FALSE(result.has_losses()) << all_problems(result);
+  }
+  const ReadResult letters = read_device_file(xdd(record_with_subs("00", "000a", "00FE")));
+  EXPECT_EQ(value(letters, 0x1400, 0x0A), (Bytes{0x05, 0x02, 0, 0}));
+  EXPECT_EQ(value(letters, 0x1400, 0xFE), (Bytes{1}));
+}
+
+TEST(Xdd, SubIndexThatIsNone_IsALoss) {
+  for (const char* const sub : {"0100", "", "G1", "-1", "00001000000000"}) {
+    SCOPED_TRACE(sub);
+    const ReadResult result = read_device_file(xdd(record_with_subs("00", sub, "02")));
+    EXPECT_EQ(problem(result, xdd_object_line + 2),
+              std::string("loss: CANopenSubObject of 1400H with subIndex=\"") + sub +
+                  "\": a sub-index is hexadecimal, 00 to FF: left out");
+    EXPECT_TRUE(result.has_losses());
+  }
+}
+
+TEST(Xdd, SeveralRangesOrSingleValues_AreALoss) {
+  const std::string ranges =
+      "<ApplicationProcess><parameterList><parameter uniqueID=\"P\"><UINT/><allowedValues>"
+      "<range><minValue value=\"1\"/><maxValue value=\"3\"/></range>"
+      "<range><minValue value=\"7\"/><maxValue value=\"9\"/></range>"
+      "</allowedValues></parameter></parameterList></ApplicationProcess>";
+  const ReadResult result = read_device_file(xdd(variable("uniqueIDRef=\"P\""), ranges));
+  EXPECT_TRUE(result.has_losses());
+  EXPECT_NE(all_problems(result).find(
+                "9: loss: allowedValues of parameter P has single values or several ranges: no limits"),
+            std::string::npos)
+      << all_problems(result);
 }
 
 TEST(Xdd, UnusableIndex_LeavesItsObjectOut) {
   const ReadResult result =
       read_device_file(xdd("<CANopenObject index=\"20000\" name=\"V\"/>\n<CANopenObject/>\n"));
   EXPECT_EQ(problem(result, xdd_object_line),
-            "warning: CANopenObject with index=\"20000\": an index is four hexadecimal digits: left out");
+            "loss: CANopenObject with index=\"20000\": an index is four hexadecimal digits: left out");
   EXPECT_NE(problem(result, xdd_object_line + 1), "");
 }
 
@@ -338,6 +393,8 @@ INSTANTIATE_TEST_SUITE_P(
     Texts, HostileXdd,
     testing::Values(
         Hostile{"page", "<html></html>",
+                "1: error: this is a web page and no device file of CANopen (EDS, DCF, XDD or XDC)"},
+        Hostile{"other root", "<device></device>",
                 "1: error: the root element is no ISO15745ProfileContainer, as an XDD [CiA 311] has it"},
         Hostile{"nothing", "<", "1: error: this cannot be read as XML: a '<' that begins no tag"},
         Hostile{"truncated", xdd("").substr(0, 900),
@@ -364,6 +421,13 @@ INSTANTIATE_TEST_SUITE_P(
         Hostile{"other network",
                 "<ISO15745ProfileContainer><ISO15745Profile>\n<ProfileBody "
                 "xsi:type=\"ProfileBody_CommunicationNetwork_Powerlink\"/></ISO15745Profile></"
+                "ISO15745ProfileContainer>",
+                "2: error: this is an Ethernet POWERLINK device file (XDD) and no device file of CANopen "
+                "(EDS, DCF, "
+                "XDD or XDC)"},
+        Hostile{"unknown network",
+                "<ISO15745ProfileContainer><ISO15745Profile>\n<ProfileBody "
+                "xsi:type=\"ProfileBody_CommunicationNetwork_Tokenring\"/></ISO15745Profile></"
                 "ISO15745ProfileContainer>",
                 "2: error: the network is not described as ProfileBody_CommunicationNetwork_CANopen: this is "
                 "a device "

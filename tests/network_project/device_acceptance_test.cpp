@@ -38,7 +38,7 @@ TEST(DeviceAcceptance, AnotherSerialNumber_IsOneValue_AndTheManagersThatChecksIt
   ASSERT_EQ(project.add_node({.node_id = 1, .name = "Master", .eds = manager}), 1);
   ASSERT_TRUE(project.set_value(1, 0x1F88, 5, "0x11"));
   ASSERT_TRUE(project.set_value(1, 0x1F85, 6, "0x99"));
-  folder.take(project);
+  folder.use(project);
   std::string& dcf = folder.files.at("master.dcf");
   const std::size_t place = dcf.find("NodeName=Master");
   ASSERT_NE(place, std::string::npos) << dcf;

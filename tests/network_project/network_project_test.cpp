@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "canopus/ascii/words.hpp"
+
 #include "network_project/project_folder.hpp"
 #include "paths.hpp"
 
@@ -37,7 +39,7 @@ TEST(NetworkProject, ANewProject_GetsNodesFromDeviceFiles) {
   EXPECT_EQ(
       project.add_node({.node_id = 7, .eds = test::device_file("io-block"), .eds_name = "io-block.eds"}), 7);
   EXPECT_EQ(project.add_node({.eds = test::device_file("io-block"), .eds_name = "io-block.eds"}), 2);
-  folder.take(project);
+  folder.use(project);
   EXPECT_EQ(folder.files.at("nodelist.cpj"),
             "[Topology]\r\nNetName=Line 1\r\nNodes=0x03\r\n"
             "Node1Present=0x01\r\nNode1Name=Pump\r\nNode1DCFName=pump.dcf\r\n"
@@ -95,12 +97,12 @@ TEST(NetworkProject, AValue_IsOneLine) {
   const std::string before = folder.files.at("drive.dcf");
   ASSERT_TRUE(project.set_value(5, 0x1017, 0, "500"));
   EXPECT_EQ(project.find(5)->value(0x1017), 500U);
-  folder.take(project);
+  folder.use(project);
   EXPECT_EQ(difference(before, folder.files.at("drive.dcf")), "ParameterValue=500\n");
   project = folder.open();
   ASSERT_TRUE(project.remove_value(5, 0x1017, 0));
   EXPECT_EQ(project.find(5)->value(0x1017), 0U);
-  folder.take(project);
+  folder.use(project);
   EXPECT_TRUE(folder.files.at("drive.dcf") == before);
 }
 
@@ -108,7 +110,7 @@ TEST(NetworkProject, AValueThatDoesNotFit_IsRefused) {
   ProjectFolder folder;
   NetworkProject project = folder.with({{5, "drive"}});
   EXPECT_EQ(project.set_value(5, 0x1017, 0, "70000").error(),
-            "ParameterValue=70000 of 1017H:00 does not fit UNSIGNED16; expected 0 to 65535");
+            "ParameterValue=70000 of 1017:00 does not fit UNSIGNED16; expected 0 to 65535");
   EXPECT_EQ(project.set_value(5, 0x3000, 0, "1").error(), "the file has no object 3000H");
   EXPECT_EQ(project.set_value(6, 0x1017, 0, "1").error(), "the project has no node 6");
   EXPECT_TRUE(project.changes().empty());
@@ -127,7 +129,7 @@ TEST(NetworkProject, ANodeThatMoves_TakesItsCobIdsAlong) {
   EXPECT_EQ(project.nodes()[1].shown_name(), "node 20 (Conveyor)");
   EXPECT_EQ(project.find(20)->pdos.back().cob_id.identifier(), 0x494U);
   const std::string before = folder.files.at("drive.dcf");
-  folder.take(project);
+  folder.use(project);
   EXPECT_EQ(difference(before, folder.files.at("drive.dcf")), "NodeID=20\nNodeName=Conveyor\n");
   EXPECT_NE(folder.files.at("nodelist.cpj").find("Node20Refd=-M1\r\n"), std::string::npos);
   EXPECT_EQ(folder.files.at("nodelist.cpj").find("Node5"), std::string::npos);
@@ -156,7 +158,7 @@ TEST(NetworkProject, BitRates_AreThoseThatAllDevicesHave) {
   EXPECT_EQ(project.set_bit_rate(100'000).error(),
             "node 5 (drive) does not have 100 kbit/s: its file says 10, 20, 50, 125, 250, 500, 800, 1000");
   EXPECT_EQ(project.bit_rate(), 250'000U);
-  folder.take(project);
+  folder.use(project);
   std::string& dcf = folder.files.at("drive.dcf");
   dcf.replace(dcf.find("Baudrate=250"), 12, "Baudrate=125");
   EXPECT_EQ(folder.open().bit_rate(), 0U) << "they differ";
@@ -180,20 +182,23 @@ TEST(NetworkProject, Objects_AreFoundByNumberAndName) {
   const network_project::ProjectNode& node = project.nodes()[0];
   const auto name_of = [&](std::string_view text) {
     const auto entry = find_object(node, text);
-    return entry ? eds::object_name(entry->index, entry->sub) : entry.error();
+    return entry ? eds::object_text(entry->index, entry->sub) : entry.error();
   };
-  EXPECT_EQ(name_of("1017"), "1017H:00");
-  EXPECT_EQ(name_of("0x6000:0x01"), "6000H:01");
-  EXPECT_EQ(name_of("1800H:02H"), "1800H:02");
-  EXPECT_EQ(name_of("producer heartbeat time"), "1017H:00");
-  EXPECT_EQ(name_of("identity object.Vendor-ID"), "1018H:01");
+  EXPECT_EQ(name_of("1017"), "1017:00");
+  EXPECT_EQ(name_of("0x6000:0x01"), "6000:01");
+  EXPECT_EQ(name_of("1800:02"), "1800:02");
+  EXPECT_EQ(name_of("producer heartbeat time"), "1017:00");
+  EXPECT_EQ(name_of("identity object.Vendor-ID"), "1018:01");
   EXPECT_EQ(name_of("heartbeat"),
-            "node 5 (io-block) has no object \"heartbeat\"; did you mean 1016H:00 (Consumer heartbeat time: "
+            "node 5 (io-block) has no object \"heartbeat\"; did you mean 1016:00 (Consumer heartbeat time: "
             "Highest "
-            "sub-index supported), 1016H:01 (Consumer heartbeat time 1), 1016H:02 (Consumer heartbeat time "
-            "2), 1016H:03 "
-            "(Consumer heartbeat time 3), 1016H:04 (Consumer heartbeat time 4), 1017H:00 (Producer heartbeat "
+            "sub-index supported), 1016:01 (Consumer heartbeat time 1), 1016:02 (Consumer heartbeat time "
+            "2), 1016:03 "
+            "(Consumer heartbeat time 3), 1016:04 (Consumer heartbeat time 4), 1017:00 (Producer heartbeat "
             "time)?");
+  EXPECT_EQ(name_of("Producer heartbaet time"),
+            "node 5 (io-block) has no object \"Producer heartbaet time\"; did you mean 1017:00 (Producer "
+            "heartbeat time)?");
   EXPECT_EQ(name_of("9999:01"),
             "node 5 (io-block) has no object \"9999:01\"; expected index:sub-index in hexadecimal, for "
             "example 6000:01, "
@@ -217,6 +222,49 @@ TEST(NetworkProject, AProjectWithMistakes_CanBeLookedAt) {
   EXPECT_TRUE(project.changes().empty());
   EXPECT_EQ(NetworkProject::open("nodelist.cpj", folder.reader(), 1).error(), "has 1 network, not 2");
   EXPECT_EQ(NetworkProject::open("other.cpj", folder.reader()).error(), "there is no such file");
+}
+
+/// Of an in-memory folder: the only file of this name in other upper and lower case.
+FindFile finder_of(const ProjectFolder& folder) {
+  return [&folder](const std::string& below, const std::string& name) -> std::optional<std::string> {
+    std::optional<std::string> found;
+    for (const auto& [path, text] : folder.files) {
+      if (!path.starts_with(below) || !ascii::equal_ignoring_case(path.substr(below.size()), name)) continue;
+      if (found) return std::nullopt;
+      found = path.substr(below.size());
+    }
+    return found;
+  };
+}
+
+TEST(NetworkProject, FileNameInOtherCase_IsTakenWithANote_AndWrittenAsItIs) {
+  ProjectFolder folder;
+  folder.files["line/nodelist.cpj"] =
+      "[Topology]\nNodes=2\nNode1Present=1\nNode1Name=a\nNode1DCFName=DCF\\DRIVE.DCF\nNode2Present=1\n"
+      "Node2DCFName=C:\\x\\Other.dcf\n";
+  folder.files["line/dcf/drive.dcf"] = test::device_file("drive");
+  folder.files["line/other.DCF"] = test::device_file("drive");
+  auto project = NetworkProject::open("line/nodelist.cpj", folder.reader(), 0, finder_of(folder));
+  ASSERT_TRUE(project) << project.error();
+  EXPECT_EQ(project->nodes()[0].path, "line/dcf/drive.dcf");
+  EXPECT_EQ(project->nodes()[0].unreadable, "");
+  EXPECT_EQ(project->nodes()[0].path_note,
+            "line/DCF/DRIVE.DCF is not there, line/dcf/drive.dcf is taken: its name differs in upper and "
+            "lower case "
+            "alone");
+  EXPECT_EQ(project->nodes()[1].path, "line/other.DCF");
+  ASSERT_TRUE(project->set_value(1, 0x1017, 0, "500"));
+  const auto changes = project->changes();
+  ASSERT_EQ(changes.size(), 1U);
+  EXPECT_EQ(changes.begin()->first, "line/dcf/drive.dcf");
+}
+
+TEST(NetworkProject, FileNameInOtherCase_ThatTwoFilesHave_IsNotTaken) {
+  ProjectFolder folder;
+  folder.files["nodelist.cpj"] = "[Topology]\nNodes=1\nNode1Present=1\nNode1DCFName=A.DCF\n";
+  folder.files["a.dcf"] = folder.files["A.dcf"] = test::device_file("drive");
+  auto project = NetworkProject::open("nodelist.cpj", folder.reader(), 0, finder_of(folder));
+  EXPECT_EQ(project->nodes()[0].unreadable, "there is no such file");
 }
 
 TEST(NetworkProject, ALibraryBelowTheFolder_KeepsItsPaths) {

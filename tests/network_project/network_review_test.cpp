@@ -55,9 +55,21 @@ TEST(NetworkReview, AProjectOfGoodFiles_HasNotesAlone) {
           .find(
               "drive.dcf: note: node 5 (drive): RPDO1 waits for 205H, which no node of the project sends\n"),
       std::string::npos);
-  EXPECT_NE(findings(project, true)
-                .find("encoder.dcf: note: node 2 (encoder): nobody of the project takes its TPDO1 (182H)\n"),
-            std::string::npos);
+  EXPECT_NE(
+      findings(project, true)
+          .find("encoder.dcf: note: node 2 (encoder): no node of the project receives its TPDO1 (182H)\n"),
+      std::string::npos);
+}
+
+TEST(NetworkReview, PdosOfNodesOutsideOfTheProject_AreKnown) {
+  ProjectFolder folder;
+  const NetworkProject project = folder.with({{2, "encoder"}, {5, "drive"}});
+  std::string messages;
+  for (const network_project::Finding& finding : review(project, {.sent = {0x205}, .received = {0x182}}))
+    messages += finding.message + "\n";
+  EXPECT_EQ(messages.find("RPDO1 waits for 205H"), std::string::npos) << messages;
+  EXPECT_EQ(messages.find("receives its TPDO1 (182H)"), std::string::npos) << messages;
+  EXPECT_NE(messages.find("receives its TPDO1 (185H)"), std::string::npos) << messages;
 }
 
 TEST(NetworkReview, FilesThatCannotBeRead) {
@@ -69,7 +81,7 @@ TEST(NetworkReview, FilesThatCannotBeRead) {
   EXPECT_EQ(findings(folder.open()),
             "gone.dcf: error: there is no such file\n"
             "nodelist.cpj: warning: node 2 has no DCF: Node2DCFName\n"
-            "nodelist.cpj: warning: no DCF says a bit rate, so no load can be reckoned\n"
+            "nodelist.cpj: warning: no DCF has a bit rate, so no load can be calculated\n"
             "nodelist.cpj: warning: node 3 (eds): a.eds has no [DeviceComissioning]: it is an EDS, not the "
             "DCF of a "
             "node\n");
@@ -112,19 +124,19 @@ TEST(NetworkReview, SignalsThatAreCutInPieces_AndThatDoNot) {
   ProjectFolder folder;
   EXPECT_EQ(
       findings(joined(folder, {{0x6000, 1, 8}, {0x6000, 2, 8}}, {{0x6040, 0, 16}})),
-      "drive.dcf: warning: node 5 (drive): RPDO1 takes bits 0 to 15 as 6040H:00, but there TPDO1 of node 7 "
-      "(io-block) has 6000H:01 in bits 0 to 7\n");
+      "drive.dcf: warning: node 5 (drive): RPDO1 takes bits 0 to 15 as 6040:00, but there TPDO1 of node 7 "
+      "(io-block) has 6000:01 in bits 0 to 7\n");
   ProjectFolder shifted;
   EXPECT_EQ(findings(joined(shifted, {{0x6000, 1, 8}, {0x6401, 1, 16}, {0x6401, 2, 16}},
                             {{0x0006, 0, 16}, {0x6040, 0, 16}})),
-            "drive.dcf: warning: node 5 (drive): RPDO1 takes bits 16 to 31 as 6040H:00, but there TPDO1 of "
+            "drive.dcf: warning: node 5 (drive): RPDO1 takes bits 16 to 31 as 6040:00, but there TPDO1 of "
             "node 7 (io-block) "
-            "has 6401H:01 in bits 8 to 23\n");
+            "has 6401:01 in bits 8 to 23\n");
   ProjectFolder other;
   const NetworkProject good = joined(other, {{0x6401, 1, 16}}, {{0x6040, 0, 16}});
   EXPECT_EQ(findings(good), "");
   EXPECT_NE(findings(good, true)
-                .find("RPDO1: 6040H:00 is UNSIGNED16, and 6401H:01 of TPDO1 of node 7 (io-block) that it "
+                .find("RPDO1: 6040:00 is UNSIGNED16, and 6401:01 of TPDO1 of node 7 (io-block) that it "
                       "gets is INTEGER16\n"),
             std::string::npos);
 }
@@ -138,9 +150,9 @@ TEST(NetworkReview, MappingsThatTheDeviceCannot) {
   }
   ASSERT_TRUE(project.set_value(5, 0x1A00, 0, "3"));
   const std::string text = findings(project);
-  EXPECT_NE(text.find("drive.dcf: warning: TPDO1 maps 7777H:00, which does not exist"), std::string::npos)
+  EXPECT_NE(text.find("drive.dcf: warning: TPDO1 maps 7777:00, which does not exist"), std::string::npos)
       << text;
-  EXPECT_NE(text.find("drive.dcf: warning: TPDO1 maps 6041H:00 with 8 bits, it has 16"), std::string::npos)
+  EXPECT_NE(text.find("drive.dcf: warning: TPDO1 maps 6041:00 with 8 bits, it has 16"), std::string::npos)
       << text;
 }
 

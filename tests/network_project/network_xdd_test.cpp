@@ -60,7 +60,7 @@ NetworkProject mixed(ProjectFolder& folder, const std::string& first, const std:
             1);
   EXPECT_EQ(
       project.add_node({.name = "Second", .eds = test::device_file(second), .eds_name = second + ".eds"}), 2);
-  folder.take(project);
+  folder.use(project);
   return folder.open();
 }
 
@@ -88,17 +88,17 @@ TEST(NetworkXdd, AValue_IsOneLine_AndTakenOutTheSameBytes) {
   const std::string before = folder.files.at("first.xdc");
   ASSERT_TRUE(project.set_value(1, 0x1017, 0, "500"));
   EXPECT_EQ(project.find(1)->value(0x1017), 500U);
-  folder.take(project);
+  folder.use(project);
   const std::string line = changed_lines(before, folder.files.at("first.xdc"));
   EXPECT_TRUE(line.starts_with("<CANopenObject index=\"1017\"")) << line;
   EXPECT_NE(line.find(" actualValue=\"500\""), std::string::npos) << line;
   EXPECT_EQ(std::ranges::count(line, '\n'), 1);
   project = folder.open();
   ASSERT_TRUE(project.remove_value(1, 0x1017, 0));
-  folder.take(project);
+  folder.use(project);
   EXPECT_EQ(folder.files.at("first.xdc"), before);
   EXPECT_EQ(project.set_value(1, 0x1017, 0, "70000").error(),
-            "actualValue=70000 of 1017H:00 does not fit UNSIGNED16; expected 0 to 65535");
+            "actualValue=70000 of 1017:00 does not fit UNSIGNED16; expected 0 to 65535");
   EXPECT_TRUE(folder.open().changes().empty());
 }
 
@@ -110,7 +110,7 @@ TEST(NetworkXdd, ASignal_GoesBetweenFilesOfBothKinds) {
     const network_project::SignalEnd to{static_cast<std::uint8_t>(to_xdc ? 1 : 2), 0x607A, 0};
     const auto made = link_signals(project, from, to);
     ASSERT_TRUE(made) << made.error();
-    folder.take(project);
+    folder.use(project);
     const auto links = find_links(folder.open());
     EXPECT_TRUE(
         std::ranges::any_of(links, [&](const auto& link) { return link.from == from && link.to == to; }));
@@ -126,7 +126,7 @@ TEST(NetworkXdd, ANodeThatMoves_TakesItsCobIdsAlong) {
   node.name = "Conveyor <1> & \"2\"";
   ASSERT_TRUE(project.change_node(1, node));
   EXPECT_EQ(project.find(20)->pdos.back().cob_id.identifier(), 0x494U);
-  folder.take(project);
+  folder.use(project);
   EXPECT_TRUE(changed_lines(before, folder.files.at("first.xdc"))
                   .starts_with("<deviceCommissioning nodeID=\"20\" nodeName=\"Conveyor &lt;1"));
   ASSERT_TRUE(project.set_bit_rate(500'000));
@@ -139,7 +139,7 @@ TEST(NetworkXdd, ANodeThatIsRemoved_TakesItsXdcAlong) {
   ProjectFolder folder;
   NetworkProject project = mixed(folder, "drive", "encoder");
   ASSERT_TRUE(project.remove_node(1));
-  folder.take(project);
+  folder.use(project);
   EXPECT_FALSE(folder.files.contains("first.xdc"));
 }
 
@@ -254,7 +254,7 @@ TEST_F(NetworkXddCorpus, AllFilesAsTheyAreAndConverted_AreOneProject) {
     }
   }
   ASSERT_GE(xdcs, 38U);
-  project_folder.take(project);
+  project_folder.use(project);
   project = project_folder.open();
   EXPECT_TRUE(project.changes().empty());
   static_cast<void>(reckon_load(project));

@@ -143,8 +143,8 @@ TEST(Nodelist, LeftoversOfANode_AreNotTakenOver) {
 
 TEST(Nodelist, Mistakes_AreSaidWithTheirLine) {
   EXPECT_EQ(problems(""), "1: error: there is no section [Topology]: this is no list of nodes of CiA 306\n");
-  EXPECT_EQ(problems(std::string_view("\xFF\xFE[\0", 4)),
-            "1: error: the file is UTF-16 text: save it as 8-bit text\n");
+  EXPECT_EQ(problems(std::string_view("\xFF\xFE[", 3)),
+            "1: error: the file is not the UTF-16LE text that it begins as: save it as UTF-8 text\n");
   EXPECT_EQ(problems(with("Nodes=0x02", "Nodes=9")),
             "4: warning: Nodes=9, but 2 nodes listed: the list counts\n");
   EXPECT_EQ(problems(with("Nodes=0x02", "Nodes=1")), "") << "some count the nodes that are there";
@@ -185,6 +185,93 @@ TEST(Nodelist, WhatCannotBeWritten_IsRefused_AndChangesNothing) {
   EXPECT_EQ(unusable.set_node(0, {7, true, "", "", "a.dcf"}).error(),
             "line 1: there is no section [Topology]: this is no list of nodes of CiA 306");
   EXPECT_EQ(unusable.text(), "[Other]\n");
+}
+
+TEST(Nodelist, QuotesRoundValues_AreTakenOffWithANote) {
+  const std::string text =
+      "[Topology]\nNetName=\"Line 1\"\nNodes=\"1\"\nNode5Present=\"0x01\"\nNode5Name='Pump "
+      "1'\nNode5Refd=\"\"\n"
+      "Node5DCFName=\"pump.dcf\"\n";
+  Nodelist list(text);
+  EXPECT_EQ(problems(list),
+            "2: note: NetName=\"Line 1\": the quotes round it are taken off (and in 4 more places)\n");
+  ASSERT_EQ(list.networks().size(), 1U);
+  EXPECT_EQ(list.networks()[0].name, "Line 1");
+  const ListedNode& node = *list.networks()[0].find(5);
+  EXPECT_TRUE(node.present);
+  EXPECT_EQ(node.name, "Pump 1");
+  EXPECT_EQ(node.reference, "");
+  EXPECT_EQ(node.dcf_name, "pump.dcf");
+  EXPECT_EQ(list.text(), text);
+  ASSERT_TRUE(list.set_node(0, {5, true, "Pump 2", "", "pump.dcf"}));
+  std::string changed = text;
+  EXPECT_EQ(list.text(), changed.replace(text.find("'Pump 1'"), 8, "Pump 2")) << "the other quotes stay";
+}
+
+TEST(Nodelist, QuoteThatIsNoPair_Stays) {
+  const Nodelist list("[Topology]\nNodes=1\nNode5Present=1\nNode5Name=5\" pipe\"\nNode5DCFName=a.dcf\n");
+  EXPECT_EQ(list.networks()[0].find(5)->name, "5\" pipe\"");
+  EXPECT_EQ(problems(list), "");
+}
+
+TEST(Nodelist, PathsOfAnotherComputer_AreTakenFromTheFolder_WithANote) {
+  const std::string text =
+      "[Topology]\r\nNodes=3\r\nNode1Present=1\r\nNode1DCFName=C:\\Projects\\Line "
+      "1\\pump.dcf\r\nNode2Present=1\r\n"
+      "Node2DCFName=\\\\server\\share\\valve.dcf\r\nNode3Present=1\r\nNode3DCFName=d:fan.dcf\r\n";
+  EXPECT_EQ(problems(text),
+            "4: note: DCF of node 1: \"C:\\Projects\\Line 1\\pump.dcf\" is a path of another computer: "
+            "pump.dcf in the "
+            "project's folder is taken\n"
+            "6: note: DCF of node 2: \"\\\\server\\share\\valve.dcf\" is a path of another computer: "
+            "valve.dcf in the "
+            "project's folder is taken\n"
+            "8: note: DCF of node 3: \"d:fan.dcf\" is a path of another computer: fan.dcf in the project's "
+            "folder is "
+            "taken\n");
+  Nodelist list(text);
+  ASSERT_TRUE(list.set_node(0, {1, true, "Pump", "", "C:\\Projects\\Line 1\\pump.dcf"}))
+      << "the path is not new";
+  EXPECT_FALSE(list.set_node(0, {4, true, "", "", "C:\\a.dcf"}));
+  EXPECT_EQ(problems("[Topology]\nNodes=1\nNode1Present=1\nNode1DCFName=C:\\dcf\\\n"),
+            "4: warning: DCF of node 1: no file is named\n");
+}
+
+// Pump in Chinese, valve in Japanese.
+TEST(Nodelist, OtherEncodings_AreReadAndWrittenAgain) {
+  const auto list_with = [](const std::string& name) {
+    return "[Topology]\r\nNodes=1\r\nNode5Present=1\r\nNode5Name=" + name + "\r\nNode5DCFName=a.dcf\r\n";
+  };
+  struct Case {
+    std::string text;
+    std::string name;
+    std::string note;
+  };
+  std::string wide = "\xFF\xFE";
+  for (const char c : list_with("A@")) wide += {c, '\0'};
+  wide.replace(wide.find('@'), 2, "\xF6\x6C");
+  const Case cases[] = {
+      {list_with("\xCB\xAE\xB1\xC3\xB5\xE7\xBB\xFA"), "水泵电机",
+       "bytes that are not UTF-8: read as GB18030 text"},
+      {list_with("\x83\x6F\x83\x8B\x83\x75"), "バルブ", "bytes that are not UTF-8: read as CP932 text"},
+      {list_with("T\xFCr \x80"), "Tür €", "bytes that are not UTF-8: read as Windows Latin text"},
+      {"\xEF\xBB\xBF" + list_with("Tür"), "Tür", "the file begins with a UTF-8 byte order mark: skipped"},
+      {wide, "A泶", "the file is UTF-16LE text: converted"},
+  };
+  for (const auto& [text, name, note] : cases) {
+    SCOPED_TRACE(name);
+    Nodelist list(text);
+    EXPECT_EQ(problems(list), "1: note: " + note + "\n");
+    ASSERT_EQ(list.networks().size(), 1U);
+    EXPECT_EQ(list.networks()[0].find(5)->name, name);
+    EXPECT_EQ(list.text(), text);
+    ASSERT_TRUE(list.set_node(0, {5, true, name, "-M1", "a.dcf"}));
+    const Nodelist again(list.text());
+    EXPECT_EQ(again.networks()[0].find(5)->name, name);
+    EXPECT_EQ(again.networks()[0].find(5)->reference, "-M1");
+  }
+  Nodelist chinese(cases[0].text);
+  EXPECT_EQ(chinese.set_node(0, {5, true, "\xED\xA0\x80", "", "a.dcf"}).has_value(), false);
 }
 
 TEST(PathInProject, PathThatLeavesTheFolder_IsRefused) {

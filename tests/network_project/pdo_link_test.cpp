@@ -27,7 +27,7 @@ const network_project::Pdo& pdo_of(const NetworkProject& project, std::uint8_t n
   throw std::out_of_range(name);
 }
 
-/// "181H: 6000H:01, 6000H:02", or "-" for one that is off.
+/// "181H: 6000:01, 6000:02", or "-" for one that is off.
 std::string shown(const NetworkProject& project, std::uint8_t node, const std::string& name) {
   const network_project::Pdo& pdo = pdo_of(project, node, name);
   return pdo.is_active()
@@ -39,8 +39,8 @@ std::string links(const NetworkProject& project) {
   std::string text;
   for (const network_project::SignalLink& link : find_links(project)) {
     text += fmt::format("{}.{} -> {}.{} {} TPDO{} RPDO{} bits {}+{}\n", link.from.node_id,
-                        eds::object_name(link.from.index, link.from.sub), link.to.node_id,
-                        eds::object_name(link.to.index, link.to.sub),
+                        eds::object_text(link.from.index, link.from.sub), link.to.node_id,
+                        eds::object_text(link.to.index, link.to.sub),
                         network_project::describe_can_id(link.cob_id), link.tpdo, link.rpdo, link.first_bit,
                         link.bits);
   }
@@ -71,8 +71,8 @@ void switch_off(NetworkProject& project, std::uint8_t node) {
 TEST(PdoLink, DefaultPdos_AreReadFromTheFile) {
   ProjectFolder folder;
   const NetworkProject project = folder.with({{5, "drive"}});
-  EXPECT_EQ(shown(project, 5, "RPDO1"), "205H: 6040H:00");
-  EXPECT_EQ(shown(project, 5, "TPDO4"), "485H: 6041H:00, 606CH:00");
+  EXPECT_EQ(shown(project, 5, "RPDO1"), "205H: 6040:00");
+  EXPECT_EQ(shown(project, 5, "TPDO4"), "485H: 6041:00, 606C:00");
   const network_project::Pdo& tpdo = pdo_of(project, 5, "TPDO2");
   EXPECT_EQ(tpdo.transmission_type, 255);
   EXPECT_EQ(tpdo.inhibit_time, 100);
@@ -89,9 +89,9 @@ TEST(PdoLink, ASignalThatIsSentAlready_IsTakenWhereItIs) {
   ProjectFolder folder;
   NetworkProject project = folder.with({{2, "encoder"}, {5, "drive"}});
   // The encoder's TPDO1 has 6004H. All RPDOs of the drive are in use; that nobody sends the last one's frame.
-  EXPECT_EQ(link(project, {2, 0x6004, 0}, {5, 0x60FF, 0}), "5 RPDO4: 182H: 60FFH:00\n");
-  EXPECT_EQ(links(project), "2.6004H:00 -> 5.60FFH:00 182H TPDO1 RPDO4 bits 0+32\n");
-  EXPECT_EQ(shown(project, 5, "RPDO1"), "205H: 6040H:00");
+  EXPECT_EQ(link(project, {2, 0x6004, 0}, {5, 0x60FF, 0}), "5 RPDO4: 182H: 60FF:00\n");
+  EXPECT_EQ(links(project), "2.6004:00 -> 5.60FF:00 182H TPDO1 RPDO4 bits 0+32\n");
+  EXPECT_EQ(shown(project, 5, "RPDO1"), "205H: 6040:00");
   EXPECT_EQ(link(project, {2, 0x6004, 0}, {5, 0x60FF, 0}), "");  // once more: nothing to do
 }
 
@@ -99,8 +99,8 @@ TEST(PdoLink, WhatStandsBeforeTheSignal_StaysUnused) {
   ProjectFolder folder;
   NetworkProject project = folder.with({{4, "drive"}, {5, "drive"}});
   // TPDO4: statusword, then the velocity.
-  EXPECT_EQ(link(project, {4, 0x606C, 0}, {5, 0x60FF, 0}), "5 RPDO4: 484H: 16 unused bits, 60FFH:00\n");
-  EXPECT_EQ(links(project), "4.606CH:00 -> 5.60FFH:00 484H TPDO4 RPDO4 bits 16+32\n");
+  EXPECT_EQ(link(project, {4, 0x606C, 0}, {5, 0x60FF, 0}), "5 RPDO4: 484H: 16 unused bits, 60FF:00\n");
+  EXPECT_EQ(links(project), "4.606C:00 -> 5.60FF:00 484H TPDO4 RPDO4 bits 16+32\n");
   EXPECT_EQ(project.find(5)->value(0x1603, 1), 0x00060010U);  // UNSIGNED16 as a dummy
 }
 
@@ -123,27 +123,27 @@ TEST(PdoLink, PdosThatAreOff_AreTakenFirst) {
   switch_off(project, 4);
   switch_off(project, 5);
   EXPECT_EQ(link(project, {4, 0x6077, 0}, {5, 0x6071, 0}),
-            "4 TPDO1: 184H: 6077H:00\n5 RPDO1: 184H: 6071H:00\n");
+            "4 TPDO1: 184H: 6077:00\n5 RPDO1: 184H: 6071:00\n");
   // The second signal goes along with the first one.
   EXPECT_EQ(link(project, {4, 0x606C, 0}, {5, 0x60FF, 0}),
-            "4 TPDO1: 184H: 6077H:00, 606CH:00\n5 RPDO1: 184H: 6071H:00, 60FFH:00\n");
+            "4 TPDO1: 184H: 6077:00, 606C:00\n5 RPDO1: 184H: 6071:00, 60FF:00\n");
   // The frame has 16 bits left; this one needs 32.
   EXPECT_EQ(link(project, {4, 0x6064, 0}, {5, 0x607A, 0}),
-            "4 TPDO2: 284H: 6064H:00\n5 RPDO2: 284H: 607AH:00\n");
+            "4 TPDO2: 284H: 6064:00\n5 RPDO2: 284H: 607A:00\n");
   EXPECT_EQ(links(project),
-            "4.6077H:00 -> 5.6071H:00 184H TPDO1 RPDO1 bits 0+16\n"
-            "4.606CH:00 -> 5.60FFH:00 184H TPDO1 RPDO1 bits 16+32\n"
-            "4.6064H:00 -> 5.607AH:00 284H TPDO2 RPDO2 bits 0+32\n");
+            "4.6077:00 -> 5.6071:00 184H TPDO1 RPDO1 bits 0+16\n"
+            "4.606C:00 -> 5.60FF:00 184H TPDO1 RPDO1 bits 16+32\n"
+            "4.6064:00 -> 5.607A:00 284H TPDO2 RPDO2 bits 0+32\n");
   // COB-IDs of the pre-defined connection set follow the node-ID.
-  folder.take(project);
+  folder.use(project);
   EXPECT_NE(folder.files.at("drive.dcf").find("ParameterValue=$NODEID+0x00000180"), std::string::npos);
 }
 
 TEST(PdoLink, OneSenderHasManyTakers) {
   ProjectFolder folder;
   NetworkProject project = folder.with({{2, "encoder"}, {5, "drive"}, {6, "drive"}});
-  EXPECT_EQ(link(project, {2, 0x6004, 0}, {5, 0x607A, 0}), "5 RPDO4: 182H: 607AH:00\n");
-  EXPECT_EQ(link(project, {2, 0x6004, 0}, {6, 0x607A, 0}), "6 RPDO4: 182H: 607AH:00\n");
+  EXPECT_EQ(link(project, {2, 0x6004, 0}, {5, 0x607A, 0}), "5 RPDO4: 182H: 607A:00\n");
+  EXPECT_EQ(link(project, {2, 0x6004, 0}, {6, 0x607A, 0}), "6 RPDO4: 182H: 607A:00\n");
   EXPECT_EQ(find_links(project).size(), 2U);
 }
 
@@ -156,23 +156,23 @@ TEST(PdoLink, ACanIdThatIsInUse_IsNotGivenAgain) {
   pdo.cob_id.raw = 0x184;
   ASSERT_TRUE(project.set_pdo(6, pdo));
   EXPECT_EQ(link(project, {4, 0x6077, 0}, {5, 0x6071, 0}),
-            "4 TPDO1: 204H: 6077H:00\n5 RPDO1: 204H: 6071H:00\n");
+            "4 TPDO1: 204H: 6077:00\n5 RPDO1: 204H: 6071:00\n");
 }
 
 TEST(PdoLink, WhatCannotBeJoined_IsSaid) {
   ProjectFolder folder;
   NetworkProject project = folder.with({{2, "encoder"}, {5, "drive"}, {7, "io-block"}});
   EXPECT_EQ(link(project, {2, 0x6004, 0}, {5, 0x6040, 0}),
-            "node 2 (encoder): 6004H:00 (Position value) has 32 bits, node 5 (drive): 6040H:00 (Controlword) "
+            "node 2 (encoder): 6004:00 (Position value) has 32 bits, node 5 (drive): 6040:00 (Controlword) "
             "has 16");
   EXPECT_EQ(
       link(project, {2, 0x6004, 0}, {5, 0x6064, 0}),
-      "node 5 (drive): 6064H:00 (Position actual value) cannot be mapped into an RPDO by its device file");
+      "node 5 (drive): 6064:00 (Position actual value) cannot be mapped into an RPDO by its device file");
   EXPECT_EQ(link(project, {5, 0x6081, 0}, {7, 0x6200, 1}),
-            "node 5 (drive): 6081H:00 (Profile velocity) cannot be mapped into a TPDO by its device file");
+            "node 5 (drive): 6081:00 (Profile velocity) cannot be mapped into a TPDO by its device file");
   EXPECT_EQ(link(project, {2, 0x1008, 0}, {5, 0x60FF, 0}),
-            "node 2 (encoder): 1008H:00 (Manufacturer device name) has no fixed length, so no PDO holds it");
-  EXPECT_EQ(link(project, {2, 0x7777, 1}, {5, 0x60FF, 0}), "node 2 (encoder) has no 7777H:01");
+            "node 2 (encoder): 1008:00 (Manufacturer device name) has no fixed length, so no PDO holds it");
+  EXPECT_EQ(link(project, {2, 0x7777, 1}, {5, 0x60FF, 0}), "node 2 (encoder) has no 7777:01");
   EXPECT_EQ(link(project, {9, 0x6004, 0}, {5, 0x60FF, 0}), "the project has no node 9");
   EXPECT_EQ(link(project, {5, 0x6077, 0}, {5, 0x6071, 0}), "a node cannot send a signal to itself");
   EXPECT_TRUE(project.changes().empty());
@@ -186,7 +186,7 @@ TEST(PdoLink, NoPdoLeft_IsSaid_AndNothingIsChanged) {
     pdo.cob_id.raw = pdo_of(project, 5, fmt::format("TPDO{}", number)).cob_id.key();
     ASSERT_TRUE(project.set_pdo(5, pdo));
   }
-  folder.take(project);
+  folder.use(project);
   project = folder.open();
   EXPECT_EQ(link(project, {2, 0x6004, 0}, {5, 0x60FF, 0}),
             "node 5 (drive) has no RPDO left whose COB-ID and mapping can be changed");
@@ -196,7 +196,7 @@ TEST(PdoLink, NoPdoLeft_IsSaid_AndNothingIsChanged) {
 TEST(PdoLink, ANodeThatIsNotPresent_HasNoLinks) {
   ProjectFolder folder;
   NetworkProject project = folder.with({{2, "encoder"}, {5, "drive"}});
-  ASSERT_EQ(link(project, {2, 0x6004, 0}, {5, 0x60FF, 0}), "5 RPDO4: 182H: 60FFH:00\n");
+  ASSERT_EQ(link(project, {2, 0x6004, 0}, {5, 0x60FF, 0}), "5 RPDO4: 182H: 60FF:00\n");
   network_project::ListedNode node = project.find(2)->listed;
   node.present = false;
   ASSERT_TRUE(project.change_node(2, node));
@@ -209,9 +209,9 @@ TEST(PdoLink, AFrameThatIsTakenAlready_HasNoRoomForAnotherSignalThere) {
   network_project::Pdo pdo = pdo_of(project, 5, "RPDO1");  // has the statusword as its controlword
   pdo.cob_id.raw = 0x184;
   ASSERT_TRUE(project.set_pdo(5, pdo));
-  folder.take(project);
+  folder.use(project);
   project = folder.open();
-  EXPECT_EQ(link(project, {4, 0x6041, 0}, {5, 0x6071, 0}), "5 RPDO4: 284H: 6071H:00\n")
+  EXPECT_EQ(link(project, {4, 0x6041, 0}, {5, 0x6071, 0}), "5 RPDO4: 284H: 6071:00\n")
       << "TPDO2 has the statusword, too, and nobody takes it";
   for (const char* other : {"TPDO2", "TPDO3", "TPDO4"}) {
     network_project::Pdo off = pdo_of(project, 4, other);
@@ -223,7 +223,7 @@ TEST(PdoLink, AFrameThatIsTakenAlready_HasNoRoomForAnotherSignalThere) {
     taken.cob_id.raw = 0x184;
     ASSERT_TRUE(project.set_pdo(5, taken));
   }
-  folder.take(project);
+  folder.use(project);
   project = folder.open();
   EXPECT_EQ(link(project, {4, 0x6041, 0}, {5, 0x6071, 0}).substr(0, 65),
             "node 5 (drive): RPDO1 takes something else at bit 0 of 184H");
@@ -279,7 +279,7 @@ void check_links() {
     }
   }
   // What was written is read again.
-  folder.take(project);
+  folder.use(project);
   RC_ASSERT(links(folder.open()) == links(project));
 }
 
@@ -347,7 +347,7 @@ TEST(SetPdo, WritesWhatDiffers) {
   pdo.mapping.push_back({0x6077, 0, 16});
   const std::string before = folder.files.at("drive.dcf");
   ASSERT_TRUE(project.set_pdo(5, pdo));
-  folder.take(project);
+  folder.use(project);
   const std::string& after = folder.files.at("drive.dcf");
   const auto count = [](const std::string& text, const std::string& word) {
     std::size_t found = 0;
@@ -357,7 +357,7 @@ TEST(SetPdo, WritesWhatDiffers) {
   EXPECT_EQ(count(before, "ParameterValue"), 0U);
   EXPECT_EQ(count(after, "ParameterValue"), 6U);  // COB-ID, type, two times, the third object, and how many
   EXPECT_NE(after.find("ParameterValue=0x60770010"), std::string::npos);
-  EXPECT_EQ(shown(folder.open(), 5, "TPDO2"), "1ABH: 6041H:00, 6061H:00, 6077H:00");
+  EXPECT_EQ(shown(folder.open(), 5, "TPDO2"), "1ABH: 6041:00, 6061:00, 6077:00");
 }
 
 }  // namespace

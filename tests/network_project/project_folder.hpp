@@ -41,7 +41,7 @@ struct ProjectFolder {
     return network_project::NetworkProject::open("nodelist.cpj", reader()).value();
   }
   /// What the project has changed is in the folder.
-  void take(const network_project::NetworkProject& project) {
+  void use(const network_project::NetworkProject& project) {
     for (const auto& [path, text] : project.changes()) {
       if (text) {
         files[path] = *text;
@@ -62,7 +62,7 @@ struct ProjectFolder {
                                            .bit_rate = bit_rate});
       EXPECT_TRUE(added) << added.error();
     }
-    take(project);
+    use(project);
     return open();
   }
 };

@@ -158,7 +158,7 @@ TEST(ProjectNotes, ANodesNote_GoesWhereTheNodeGoes) {
   ASSERT_TRUE(project.set_note(5, "seal is worn"));
   ASSERT_TRUE(project.set_note(6, "spare in shelf 4"));
   EXPECT_EQ(project.set_note(7, "x").error(), "the project has no node 7");
-  folder.take(project);
+  folder.use(project);
   EXPECT_EQ(folder.files.at("nodelist.notes.toml"),
             std::string(head) + "[notes]\n5 = \"seal is worn\"\n6 = \"spare in shelf 4\"\n");
   project = folder.open();

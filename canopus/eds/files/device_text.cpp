@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "canopus/eds/encoding.hpp"
 #include "canopus/eds/problems.hpp"
 #include "canopus/eds/words.hpp"
 #include "canopus/eds/xdd.hpp"
@@ -14,48 +15,34 @@ namespace {
 
 using Done = std::expected<void, std::string>;
 
-/// UTF-8 text of letters that Windows Latin has, as to_utf8() made it, back.
-std::string to_latin(std::string_view text) {
-  std::string latin;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    if (byte < 0x80) {
-      latin += text[i];
-    } else {
-      latin += static_cast<char>((byte & 0x03) << 6 | (static_cast<unsigned char>(text[++i]) & 0x3F));
-    }
-  }
-  return latin;
-}
-
 pugi::xml_node object_list(const xml::Document& document) {
   return xml::child(xml::child(xml::network_profile(document), "ApplicationLayers"), "CANopenObjectList");
 }
 
 /// The first child of this name whose attribute is this hexadecimal number.
 pugi::xml_node numbered(pugi::xml_node parent, std::string_view name, std::string_view attribute,
-                        unsigned number, std::size_t digits) {
+                        unsigned number) {
   return parent.find_child([&](pugi::xml_node node) {
     return xml::local_name(node.name()) == name &&
-           read_hexadecimal(xml::attribute(node, attribute).value(), digits) == number;
+           read_hexadecimal(xml::attribute(node, attribute).value(), 0xFFFF) == number;
   });
 }
 
 /// The element that describes a sub-index, or an empty one.
 pugi::xml_node described(const xml::Document& document, std::uint16_t index, std::uint8_t sub) {
-  const pugi::xml_node object = numbered(object_list(document), "CANopenObject", "index", index, 4);
-  if (const auto member = numbered(object, "CANopenSubObject", "subIndex", sub, 2)) return member;
+  const pugi::xml_node object = numbered(object_list(document), "CANopenObject", "index", index);
+  if (const auto member = numbered(object, "CANopenSubObject", "subIndex", sub)) return member;
   return sub == 0 && !xml::child(object, "CANopenSubObject") ? object : pugi::xml_node{};
 }
 
 unsigned references(const xml::Document& document, std::string_view id) {
   unsigned count = 0;
-  const auto look = [&](pugi::xml_node node) {
+  const auto count_reference = [&](pugi::xml_node node) {
     if (xml::attribute(node, "uniqueIDRef").value() == id) ++count;
   };
   for (const pugi::xml_node object : object_list(document)) {
-    look(object);
-    for (const pugi::xml_node member : object) look(member);
+    count_reference(object);
+    for (const pugi::xml_node member : object) count_reference(member);
   }
   return count;
 }
@@ -92,18 +79,18 @@ std::variant<IniText, DeviceText::Xdd, DeviceText::Unreadable> DeviceText::read(
   }
   Problems problems;
   const auto utf8 = xml_text(text, problems);
-  if (!utf8) return Unreadable{std::string(text), problems.take().front().message};
-  const bool is_latin = !is_utf8(text);
-  auto parsed = xml::Text::parse(*utf8, is_latin);
+  if (!utf8) return Unreadable{std::string(text), problems.release().front().message};
+  auto parsed = xml::Text::parse(utf8->text, utf8->encoding.has_value());
   if (!parsed) {
     return Unreadable{std::string(text), "line " + std::to_string(parsed.error().position.line) +
                                              ": this cannot be read as XML: " + parsed.error().message};
   }
-  return Xdd{std::move(*parsed), is_latin};
+  return Xdd{std::move(*parsed), utf8->encoding};
 }
 
 std::string DeviceText::bytes(const Xdd& file) {
-  return file.is_latin ? to_latin(file.text.text()) : file.text.text();
+  // What is new in it is ASCII.
+  return file.encoding ? encode(file.text.text(), *file.encoding).value_or("") : file.text.text();
 }
 
 std::string DeviceText::text() const {
@@ -116,18 +103,18 @@ Done DeviceText::set_parameter_value(std::uint16_t index, std::uint8_t sub, std:
   if (auto* ini = std::get_if<IniText>(&file_)) return eds::set_parameter_value(*ini, index, sub, value);
   auto* xdd = std::get_if<Xdd>(&file_);
   if (xdd == nullptr) return std::unexpected(std::get<Unreadable>(file_).reason);
-  if (trim(value).empty()) return std::unexpected("no value is given for " + object_name(index, sub));
+  if (trim(value).empty()) return std::unexpected("no value is given for " + object_text(index, sub));
   const auto device = device_of(bytes(*xdd));
   if (!device) return std::unexpected(device.error());
   const canopen::DictionaryDescription& dictionary = *(*device)->dictionary;
   const canopen::Entry entry = dictionary.find(index, sub);
-  if (!entry) return std::unexpected("the file has no sub-index " + object_name(index, sub));
+  if (!entry) return std::unexpected("the file has no sub-index " + object_text(index, sub));
   if (std::string problem = value_problem(dictionary, entry, "actualValue", value); !problem.empty()) {
     return std::unexpected(std::move(problem));
   }
   const pugi::xml_node element = described(xdd->text.document(), index, sub);
   if (!element) {
-    return std::unexpected("the file has no element for " + object_name(index, sub) +
+    return std::unexpected("the file has no element for " + object_text(index, sub) +
                            ", so no place for its value");
   }
   if (const auto parameter = value_of_parameter(xdd->text.document(), element)) {
@@ -141,7 +128,7 @@ Done DeviceText::remove_parameter_value(std::uint16_t index, std::uint8_t sub) {
   auto* xdd = std::get_if<Xdd>(&file_);
   if (xdd == nullptr) return std::unexpected(std::get<Unreadable>(file_).reason);
   const pugi::xml_node element = described(xdd->text.document(), index, sub);
-  if (!element) return std::unexpected("the file has no sub-index " + object_name(index, sub));
+  if (!element) return std::unexpected("the file has no sub-index " + object_text(index, sub));
   if (const auto parameter = value_of_parameter(xdd->text.document(), element)) {
     return xdd->text.remove(parameter);
   }

@@ -38,7 +38,7 @@ class DeviceText {
   };
   struct Xdd {
     xml::Text text;
-    bool is_latin = false;  // the file is Windows Latin, its text here UTF-8
+    std::optional<Encoding> encoding;  // of the file; its text here is UTF-8
   };
   [[nodiscard]] static std::variant<IniText, Xdd, Unreadable> read(std::string_view text);
   [[nodiscard]] static std::string bytes(const Xdd& file);

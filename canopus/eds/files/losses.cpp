@@ -55,12 +55,27 @@ std::vector<std::string> beyond_ini(std::string_view text) {
   return lost;
 }
 
+/// Whether an ApplicationProcess says more than what its parameters give to objects.
+bool has_more_than_descriptions(pugi::xml_node process) {
+  constexpr std::string_view beyond[] = {"unit", "property", "substituteValue", "conditionalSupport",
+                                         "variableRef"};
+  for (const pugi::xml_node list : process) {
+    if (list.type() != pugi::node_element) continue;
+    if (xml::local_name(list.name()) != "parameterList") return true;
+    for (const pugi::xml_node parameter : list) {
+      if (std::ranges::any_of(beyond, [&](std::string_view name) { return !!xml::child(parameter, name); }))
+        return true;
+    }
+  }
+  return false;
+}
+
 std::vector<std::string> beyond_xdd(std::string_view xdd) {
   std::vector<std::string> lost;
   Problems unheard;
   const auto text = xml_text(xdd, unheard);
   if (!text) return lost;
-  const auto document = xml::Document::parse(*text);
+  const auto document = xml::Document::parse(text->text);
   if (!document) return lost;
   const pugi::xml_node device = xml::device_profile(**document);
   const auto name = [&](pugi::xml_node parent, std::string_view element, std::string_view what) {
@@ -69,7 +84,12 @@ std::vector<std::string> beyond_xdd(std::string_view xdd) {
                      ") has no place in other device files: left out");
     }
   };
-  name(device, "ApplicationProcess", "descriptions, units and groups of parameters, types of their own");
+  if (has_more_than_descriptions(xml::child(device, "ApplicationProcess"))) {
+    lost.emplace_back(
+        "ApplicationProcess (units and groups of parameters, types of their own) has no place in other "
+        "device "
+        "files: left out");
+  }
   name(device, "DeviceManager", "indicators and modules of the device");
   const pugi::xml_node layers = xml::child(xml::network_profile(**document), "ApplicationLayers");
   name(layers, "dynamicChannels", "segments of a programmable device");

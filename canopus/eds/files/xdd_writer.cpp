@@ -10,6 +10,7 @@
 #include "canopus/eds/problems.hpp"
 #include "canopus/eds/value.hpp"
 #include "canopus/eds/words.hpp"
+#include "canopus/eds/xdd_parameters.hpp"
 #include "canopus/eds/xml/document.hpp"
 
 namespace canopus::eds {
@@ -189,7 +190,52 @@ class XddWriter {
     close("characteristicsList");
     close("capabilities");
     close("DeviceFunction");
+    write_descriptions();
     close_profile();
+  }
+
+  [[nodiscard]] const std::string& object_description(const ObjectDescription& object) const {
+    const EntryFacts* facts = file_.find_facts(object.index, 0);
+    static const std::string none;
+    return facts == nullptr ? none : facts->object_description.text();
+  }
+  static std::string parameter_id(std::uint16_t index) { return "UID_" + ascii::hex(index, 4); }
+  static std::string parameter_id(const Entry& entry) {
+    return parameter_id(entry.index) + '_' + ascii::hex(entry.sub, 2);
+  }
+
+  /// A parameter for each object and sub-index with a description, which has no other place.
+  void write_descriptions() {
+    bool is_open = false;
+    const auto parameter = [&](const std::string& id, std::string_view label, std::string_view description,
+                               canopen::DataType type) {
+      if (description.empty()) return;
+      if (!is_open) {
+        open("ApplicationProcess");
+        open("parameterList");
+      }
+      is_open = true;
+      open("parameter", {{"uniqueID", id}});
+      element("label", label, {{"lang", "en"}});
+      element("description", description, {{"lang", "en"}});
+      empty(simple_type_word(type), {});
+      close("parameter");
+    };
+    for (const ObjectDescription& object : dictionary_.objects()) {
+      if (object.index < first_index) continue;
+      parameter(parameter_id(object.index), dictionary_.name(object), object_description(object),
+                canopen::DataType::unsigned8);
+      for (unsigned sub = 0; sub <= object.highest_sub; ++sub) {
+        const Entry entry = dictionary_.find(object, static_cast<std::uint8_t>(sub));
+        const EntryFacts* facts = entry ? file_.find_facts(entry.index, entry.sub) : nullptr;
+        if (facts == nullptr) continue;
+        parameter(parameter_id(entry), dictionary_.name(entry), facts->description.text(),
+                  entry.description->type);
+      }
+    }
+    if (!is_open) return;
+    close("parameterList");
+    close("ApplicationProcess");
   }
 
   void write_network() {
@@ -267,9 +313,11 @@ class XddWriter {
       if (entry) entries.push_back(entry);
     }
     attributes.push_back({"subNumber", std::to_string(entries.size())});
+    if (!object_description(object).empty())
+      attributes.push_back({"uniqueIDRef", parameter_id(object.index)});
     open("CANopenObject", attributes);
     for (const Entry& entry : entries) {
-      place_ = object_name(entry.index, entry.sub);
+      place_ = object_text(entry.index, entry.sub);
       attributes = {{"subIndex", ascii::hex(entry.sub, 2)},
                     {"name", std::string(dictionary_.name(entry))},
                     {"objectType", "7"}};
@@ -306,17 +354,34 @@ class XddWriter {
     if (facts == nullptr) return;
     if (facts->object_flags != 0) add("objFlags", ascii::hex(facts->object_flags, 4));
     add("denotation", facts->denotation);
+    if (!facts->description.empty()) add("uniqueIDRef", parameter_id(entry));
     if (!facts->upload_file.empty() || !facts->download_file.empty()) {
       warn(place_ + ": the names of its files have no place in an XDD: left out");
     }
   }
 
   void report_losses() {
+    const FileInfo& info = file_.file;
+    const std::pair<std::string_view, std::pair<const std::string&, std::string>> dates[] = {
+        {"CreationDate", {info.creation_date, xdd_date(info.creation_date)}},
+        {"CreationTime", {info.creation_time, xdd_time(info.creation_time)}},
+        {"ModificationDate", {info.modification_date, xdd_date(info.modification_date)}},
+        {"ModificationTime", {info.modification_time, xdd_time(info.modification_time)}}};
+    for (const auto& [key, date] : dates) {
+      if (!date.first.empty() && date.second.empty())
+        warn(std::string(key) + '=' + printable(date.first) + " is not as CiA 306 has it: left out");
+      if (!date.second.empty() && date.first.starts_with("00:"))  // its hours are 01 to 12
+        warn(std::string(key) + '=' + printable(date.first) + " is written as " + date.second);
+    }
     const auto of_1018 = identity(file_).revision;
     const auto revision = file_.device.revision_number;
     if (revision && *revision != of_1018.value_or(0)) {
       warn("RevisionNumber=0x" + ascii::hex(*revision, 8) +
-           " has no place in an XDD: 1018H:03 has the revision");
+           " has no place in an XDD: 1018:03 has the revision");
+    }
+    if (file_.device.compact_pdo != 0) {
+      warn("CompactPDO=" + std::to_string(file_.device.compact_pdo) +
+           " has no place in an XDD: its PDOs are written");
     }
     if (!file_.comments.empty()) warn("the comments have no place in an XDD: left out");
     if (!file_.file.last_eds.empty()) warn("LastEDS has no place in an XDC: left out");
@@ -347,14 +412,17 @@ std::string xdd_date(std::string_view date) {
   return std::string(date.substr(6)) + '-' + std::string(date.substr(0, 5));
 }
 
-std::string xdd_time(std::string_view time) {
+std::string xdd_time(std::string_view given) {
+  std::string time(given);
+  std::erase(time, ' ');
+  if (time.size() > 1 && time[1] == ':') time.insert(0, 1, '0');
   const auto hour = digits_in(time, 0, 2);
   const auto minute = digits_in(time, 3, 2);
-  const std::string half = ascii::lower(time.substr(std::min<std::size_t>(5, time.size())));
+  const std::string half = ascii::lower(std::string_view(time).substr(std::min<std::size_t>(5, time.size())));
   if (!hour || !minute || time[2] != ':' || *hour > 12 || *minute > 59 || (half != "am" && half != "pm"))
     return {};
   const unsigned shown = *hour % 12 + (half == "pm" ? 12 : 0);
-  return (shown < 10 ? "0" : "") + std::to_string(shown) + ':' + std::string(time.substr(3, 2)) + ":00";
+  return (shown < 10 ? "0" : "") + std::to_string(shown) + ':' + time.substr(3, 2) + ":00";
 }
 
 }  // namespace canopus::eds

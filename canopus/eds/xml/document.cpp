@@ -54,7 +54,7 @@ std::string reason(pugi::xml_parse_status status) {
 }
 
 /// A code point of UTF-8 text that is taken off its start. Nothing: no UTF-8.
-std::optional<char32_t> take_code_point(std::string_view& text) {
+std::optional<char32_t> next_code_point(std::string_view& text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);
   const std::size_t length = first < 0x80 ? 1 : first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
@@ -161,11 +161,19 @@ pugi::xml_attribute attribute(pugi::xml_node element, std::string_view name) {
   return element.find_attribute([&](pugi::xml_attribute found) { return local_name(found.name()) == name; });
 }
 
+pugi::xml_node english_child(pugi::xml_node element, std::string_view name) {
+  const pugi::xml_node english = element.find_child([&](pugi::xml_node node) {
+    return local_name(node.name()) == name &&
+           std::string_view(attribute(node, "lang").value()).starts_with("en");
+  });
+  return english ? english : child(element, name);
+}
+
 std::optional<std::string> escaped(std::string_view text, char quote, bool only_ascii) {
   std::string result;
   while (!text.empty()) {
     const std::string_view before = text;
-    const auto code = take_code_point(text);
+    const auto code = next_code_point(text);
     if (!code || !is_xml_character(*code)) return std::nullopt;
     const std::string_view bytes = before.substr(0, before.size() - text.size());
     if (*code == '&') {

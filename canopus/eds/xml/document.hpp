@@ -69,6 +69,9 @@ class Document {
 [[nodiscard]] pugi::xml_node child(pugi::xml_node element, std::string_view name);
 [[nodiscard]] pugi::xml_attribute attribute(pugi::xml_node element, std::string_view name);
 
+/// The first child element of this name whose language (attribute lang) is English or, where none is, the first.
+[[nodiscard]] pugi::xml_node english_child(pugi::xml_node element, std::string_view name);
+
 /// Text as it may stand in an attribute between these quotes, on one line. Nothing: it has characters that XML has
 /// no way to write (most below 20H), or is not UTF-8. `only_ascii`: other letters are written as references.
 [[nodiscard]] std::optional<std::string> escaped(std::string_view text, char quote, bool only_ascii = false);
