@@ -94,7 +94,7 @@ class AnsweringModule final : public FakeModule {
     words[status_word] = 0;
     if (interface_.ready) set_input(*interface_.ready, true, now);
   }
-  std::vector<std::string> take_notes() { return std::exchange(notes_, {}); }
+  std::vector<std::string> drain_notes() { return std::exchange(notes_, {}); }
 
   BuiltInProgram* program = nullptr;
   can::Duration answer_time = 3ms;
@@ -134,27 +134,27 @@ class Slot final : public can::Participant, public RackListener {
   }
   void supply_changed(bool on, can::Time now) override {
     program.supply_changed(on, now);
-    program.look(now);
+    program.update(now);
   }
   void cpu_changed(module::CpuState state, can::Time now) override {
     program.cpu_changed(state, now);
-    program.look(now);
+    program.update(now);
   }
   void cpu_paused(bool paused, can::Time now) override {
     program.cpu_paused(paused, now);
-    program.look(now);
+    program.update(now);
   }
   void run_until(can::Duration end) { timeline.run_until(can::Time{} + end); }
   std::vector<std::string> notes_until(can::Duration end) {
     run_until(end);
-    return module.take_notes();
+    return module.drain_notes();
   }
 
   void receive(const can::Frame&, can::Time) override {}
   void tick(can::Time now) override {
     if (module.deadline() <= now) module.tick(now);
     program.tick(now);
-    program.look(now);
+    program.update(now);
   }
 
   static constexpr std::uint16_t head = 0x20;

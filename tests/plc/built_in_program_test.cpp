@@ -124,8 +124,8 @@ TEST(BuiltInProgram, SetUp_ByBits_WritesNothingButTheBits) {
 
 TEST(BuiltInProgram, SetUp_OfAModuleWithoutSignals_SeesARestartThatNobodyTellsOf) {
   Slot slot(bits, {.words = {{100, 7}}});
-  slot.program.look(slot.timeline.now());
-  EXPECT_THAT(slot.module.take_notes(), IsEmpty()) << "no supply yet";
+  slot.program.update(slot.timeline.now());
+  EXPECT_THAT(slot.module.drain_notes(), IsEmpty()) << "no supply yet";
   slot.power();
   EXPECT_THAT(slot.notes_until(50ms), ElementsAre("0ms 100=7"));
   slot.module.initialize(slot.timeline.now(), can::Time{} + 75ms);  // by the CPU's reset, say
@@ -169,7 +169,7 @@ TEST(BuiltInProgram, RequestWhileInitializing_IsTakenBackAndMadeAnew) {
   slot.module.answer_at = can::never;
   slot.module.words[status_word] = initializing;
   slot.module.starts_at = can::Time{} + 63ms;
-  slot.program.look(slot.timeline.now());
+  slot.program.update(slot.timeline.now());
   EXPECT_THAT(slot.notes_until(60ms), ElementsAre("25ms Y5 off"));
   EXPECT_THAT(slot.notes_until(80ms), ElementsAre("75ms Y5 on", "78ms Y5 off"));
   slot.module.set_output(exchange, true, slot.timeline.now());
@@ -221,12 +221,12 @@ TEST(BuiltInProgram, StopInTheMiddleOfARequest_GoesOnWithRun) {
       Slot slot(signals, {.exchange = 20ms, .recover = recover});
       slot.power();
       slot.run_until(20ms + after);
-      slot.module.take_notes();
+      slot.module.drain_notes();
       slot.rack.set_cpu_state(module::CpuState::stop, slot.timeline.now());
       slot.run_until(100ms);
       EXPECT_EQ(slot.module.y >> exchange & 1U, 0U);
       slot.rack.set_cpu_state(module::CpuState::run, slot.timeline.now());
-      slot.module.take_notes();
+      slot.module.drain_notes();
       EXPECT_FALSE(slot.notes_until(130ms).empty());
     }
   }

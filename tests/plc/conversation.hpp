@@ -85,7 +85,7 @@ struct Plc {
     return {output.begin(), output.end()};
   }
   /// Binary, both ways as hexadecimal text.
-  std::string ask(std::string_view request) { return shown(raw(bytes(request))); }
+  std::string request(std::string_view request) { return shown(raw(bytes(request))); }
 
   void word(Device device, std::uint32_t number, std::uint16_t value) {
     (void)rack.write_words(device, number, {&value, 1}, now);

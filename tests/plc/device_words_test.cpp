@@ -26,7 +26,6 @@ Piece any_piece() {
 RC_GTEST_PROP(DeviceWords, HoldWhatWasWritten, ()) {
   DeviceWords words;
   words.resize(size);
-  if (*rc::gen::arbitrary<bool>()) words.take_memory();
   std::vector<std::uint16_t> expected(size);
   const int steps = *rc::gen::inRange(1, 20);
   for (int step = 0; step < steps; ++step) {

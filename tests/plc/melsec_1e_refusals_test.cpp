@@ -8,38 +8,38 @@ namespace {
 // --- refusals ---
 
 TEST(Melsec1e, UnknownSubheader_Is50H) {
-  EXPECT_EQ(ask("0a ff 0a 00"), "8a 50");
-  EXPECT_EQ(ask("3c ff 0a 00"), "bc 50");
-  EXPECT_EQ(ask_ascii("17FF000A"), "9750");
+  EXPECT_EQ(request("0a ff 0a 00"), "8a 50");
+  EXPECT_EQ(request("3c ff 0a 00"), "bc 50");
+  EXPECT_EQ(request_ascii("17FF000A"), "9750");
 }
 
 TEST(Melsec1e, UnknownSubheader_TakesWhatCameWithItAndNothingElse) {
   Plc1e plc;
-  EXPECT_EQ(plc.ask("0a ff 0a 00 01 02 03 04 05 06 07 08"), "8a 50");
+  EXPECT_EQ(plc.request("0a ff 0a 00 01 02 03 04 05 06 07 08"), "8a 50");
   EXPECT_FALSE(plc.session->over());
-  EXPECT_EQ(plc.ask("01 ff 0a 00 64 00 00 00 20 44 01 00"), "81 00 00 00");
+  EXPECT_EQ(plc.request("01 ff 0a 00 64 00 00 00 20 44 01 00"), "81 00 00 00");
 }
 
 TEST(Melsec1e, WhatIsNoSubheaderAtAll_EndsTheSession) {
   Plc1e plc;
-  EXPECT_EQ(plc.ask("47 45 54 20"), "");
+  EXPECT_EQ(plc.request("47 45 54 20"), "");
   EXPECT_TRUE(plc.session->over());
 }
 
 TEST(Melsec1e, AnotherFrame_EndsTheSession) {
   Plc1e plc;
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0c 00 10 00 01 04 00 00 64 00 00 a8 01 00"), "");
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0c 00 10 00 01 04 00 00 64 00 00 a8 01 00"), "");
   EXPECT_TRUE(plc.session->over());
   Plc only_3e;
-  EXPECT_EQ(only_3e.ask("01 ff 0a 00 64 00 00 00 20 44 01 00"), "");
+  EXPECT_EQ(only_3e.request("01 ff 0a 00 64 00 00 00 20 44 01 00"), "");
   EXPECT_TRUE(only_3e.session->over());
 }
 
 TEST(Melsec1e, AsciiThatIsNoNumber_Is54H) {
-  EXPECT_EQ(ask_ascii("01FF000A44200000006x0200"), "8154");
-  EXPECT_EQ(ask_ascii("01FF00xA4420000000640200"), "8154");
-  EXPECT_EQ(ask_ascii("03FF000A442000000064x200"), "8354");  // a number of points that is none
-  EXPECT_EQ(ask_ascii("02FF000A4D200000003202002x"), "8254");
+  EXPECT_EQ(request_ascii("01FF000A44200000006x0200"), "8154");
+  EXPECT_EQ(request_ascii("01FF00xA4420000000640200"), "8154");
+  EXPECT_EQ(request_ascii("03FF000A442000000064x200"), "8354");  // a number of points that is none
+  EXPECT_EQ(request_ascii("02FF000A4D200000003202002x"), "8254");
 }
 
 TEST(Melsec1e, AsciiInSmallLetters_IsTaken_AndALoopbackStaysAsItWas) {
@@ -61,30 +61,30 @@ TEST(Melsec1e, OnlineChange_WhereItIsNotEnabled_Is55HInRunOnly) {
       "02 ff 0a 00 32 00 00 00 20 4d 01 00 10", "03 ff 0a 00 64 00 00 00 20 44 01 00 34 12",
       "04 ff 0a 00 01 00 02 00 00 00 20 4d 01", "05 ff 0a 00 01 00 0a 00 00 00 20 44 34 12",
       "0f ff 0a 00 00 00 00 02 00 00 34 12"};
-  for (const std::string& request : requests) EXPECT_EQ(plc.ask(request).substr(3), "55") << request;
+  for (const std::string& request : requests) EXPECT_EQ(plc.request(request).substr(3), "55") << request;
   EXPECT_EQ(plc.word(Device::d, 100), 0);
   EXPECT_TRUE(plc.module.writes.empty());
-  EXPECT_EQ(plc.ask("01 ff 0a 00 64 00 00 00 20 44 01 00"), "81 00 00 00");
-  EXPECT_EQ(plc.ask("14 ff 0a 00"), "94 00");
-  for (const std::string& request : requests) EXPECT_EQ(plc.ask(request).substr(3), "00") << request;
+  EXPECT_EQ(plc.request("01 ff 0a 00 64 00 00 00 20 44 01 00"), "81 00 00 00");
+  EXPECT_EQ(plc.request("14 ff 0a 00"), "94 00");
+  for (const std::string& request : requests) EXPECT_EQ(plc.request(request).substr(3), "00") << request;
 }
 
 TEST(Melsec1e, ClientThatMayOnlyLook_DoesNotStopTheCpuEither) {
   Plc1e plc(r04cpu(), port_1e(WritePermission::never));
-  EXPECT_EQ(plc.ask("14 ff 0a 00"), "94 5b 18 00");
+  EXPECT_EQ(plc.request("14 ff 0a 00"), "94 5b 18 00");
   EXPECT_EQ(plc.rack.cpu_state(), module::CpuState::run);
-  EXPECT_EQ(plc.ask("03 ff 0a 00 64 00 00 00 20 44 01 00 34 12"), "83 55");
+  EXPECT_EQ(plc.request("03 ff 0a 00 64 00 00 00 20 44 01 00 34 12"), "83 55");
 }
 
 TEST(Melsec1e, UnknownDevice_Is56H) {
-  EXPECT_EQ(ask("01 ff 0a 00 64 00 00 00 20 51 01 00"), "81 56");
-  EXPECT_EQ(ask("04 ff 0a 00 01 00 02 00 00 00 20 51 01"), "84 56");
-  EXPECT_EQ(ask_ascii("01FF000A5120000000640100"), "8156");
+  EXPECT_EQ(request("01 ff 0a 00 64 00 00 00 20 51 01 00"), "81 56");
+  EXPECT_EQ(request("04 ff 0a 00 01 00 02 00 00 00 20 51 01"), "84 56");
+  EXPECT_EQ(request_ascii("01FF000A5120000000640100"), "8156");
 }
 
 TEST(Melsec1e, MorePointsThanAModuleOfTheQSeriesTakes_Are57H) {
-  EXPECT_EQ(ask("01 ff 0a 00 00 00 00 00 20 4d 80 00").substr(0, 5), "81 00");  // 128 words of M
-  EXPECT_EQ(ask("01 ff 0a 00 00 00 00 00 20 4d 81 00"), "81 57");
+  EXPECT_EQ(request("01 ff 0a 00 00 00 00 00 20 4d 80 00").substr(0, 5), "81 00");  // 128 words of M
+  EXPECT_EQ(request("01 ff 0a 00 00 00 00 00 20 4d 81 00"), "81 57");
   const std::string words_41(2 * 41, '\0');
   EXPECT_EQ(shown(Plc1e{}.raw(bytes("03 ff 0a 00 00 00 00 00 20 4d 29 00") + words_41)), "83 57");
   std::string points;
@@ -99,7 +99,7 @@ TEST(Melsec1e, MorePointsThanAModuleOfTheQSeriesTakes_Are57H) {
 }
 
 TEST(Melsec1e, MorePointsThanAnFx3uTakes_Are57H) {
-  const auto fx = [](const std::string& request) { return Plc1e(fx3u()).ask(request).substr(0, 5); };
+  const auto fx = [](const std::string& request) { return Plc1e(fx3u()).request(request).substr(0, 5); };
   EXPECT_EQ(fx("01 ff 0a 00 00 00 00 00 20 44 40 00"), "81 00");
   EXPECT_EQ(fx("01 ff 0a 00 00 00 00 00 20 44 41 00"), "81 57");
   EXPECT_EQ(fx("01 ff 0a 00 00 00 00 00 20 4d 20 00"), "81 00");
@@ -110,51 +110,51 @@ TEST(Melsec1e, MorePointsThanAnFx3uTakes_Are57H) {
 }
 
 TEST(Melsec1e, PointsBeyondTheLastDevice_Are57H_AFirstOneThere58H) {
-  EXPECT_EQ(ask("01 ff 0a 00 ff 47 00 00 20 44 01 00"), "81 00 00 00");  // D18431
-  EXPECT_EQ(ask("01 ff 0a 00 ff 47 00 00 20 44 02 00"), "81 57");
-  EXPECT_EQ(ask("01 ff 0a 00 00 48 00 00 20 44 01 00"), "81 58");
-  EXPECT_EQ(ask("01 ff 0a 00 ff ff ff ff 20 44 01 00"), "81 58");
-  EXPECT_EQ(ask_ascii("01FF000A4420FFFFFFFF0100"), "8158");
+  EXPECT_EQ(request("01 ff 0a 00 ff 47 00 00 20 44 01 00"), "81 00 00 00");  // D18431
+  EXPECT_EQ(request("01 ff 0a 00 ff 47 00 00 20 44 02 00"), "81 57");
+  EXPECT_EQ(request("01 ff 0a 00 00 48 00 00 20 44 01 00"), "81 58");
+  EXPECT_EQ(request("01 ff 0a 00 ff ff ff ff 20 44 01 00"), "81 58");
+  EXPECT_EQ(request_ascii("01FF000A4420FFFFFFFF0100"), "8158");
 }
 
 TEST(Melsec1e, WriteBeyondTheLastDevice_WritesNothing) {
   Plc1e plc;
-  EXPECT_EQ(plc.ask("03 ff 0a 00 ff 47 00 00 20 44 02 00 34 12 78 56"), "83 57");
+  EXPECT_EQ(plc.request("03 ff 0a 00 ff 47 00 00 20 44 02 00 34 12 78 56"), "83 57");
   EXPECT_EQ(plc.word(Device::d, 18431), 0);
-  EXPECT_EQ(plc.ask("05 ff 0a 00 02 00 0a 00 00 00 20 44 34 12 00 48 00 00 20 44 01 00"), "85 58");
+  EXPECT_EQ(plc.request("05 ff 0a 00 02 00 0a 00 00 00 20 44 34 12 00 48 00 00 20 44 01 00"), "85 58");
   EXPECT_EQ(plc.word(Device::d, 10), 0);
 }
 
 TEST(Melsec1e, BitsOfWords_AndWordsOfBitsNotFrom16_Are58H) {
-  EXPECT_EQ(ask("00 ff 0a 00 64 00 00 00 20 44 01 00"), "80 58");
-  EXPECT_EQ(ask("02 ff 0a 00 64 00 00 00 20 44 01 00 10"), "82 58");
-  EXPECT_EQ(ask("01 ff 0a 00 11 00 00 00 20 4d 01 00"), "81 58");
-  EXPECT_EQ(ask("05 ff 0a 00 01 00 11 00 00 00 20 4d 01 00"), "85 58");
+  EXPECT_EQ(request("00 ff 0a 00 64 00 00 00 20 44 01 00"), "80 58");
+  EXPECT_EQ(request("02 ff 0a 00 64 00 00 00 20 44 01 00 10"), "82 58");
+  EXPECT_EQ(request("01 ff 0a 00 11 00 00 00 20 4d 01 00"), "81 58");
+  EXPECT_EQ(request("05 ff 0a 00 01 00 11 00 00 00 20 4d 01 00"), "85 58");
 }
 
 TEST(Melsec1e, PcNumber_OtherThanFfH_Is5bHWith10H) {
-  EXPECT_EQ(ask("01 00 0a 00 64 00 00 00 20 44 01 00"), "81 5b 10 00");
-  EXPECT_EQ(ask_ascii("0100000A4420000000640100"), "815B1000");
-  EXPECT_EQ(ask("14 01 0a 00"), "94 5b 10 00");
+  EXPECT_EQ(request("01 00 0a 00 64 00 00 00 20 44 01 00"), "81 5b 10 00");
+  EXPECT_EQ(request_ascii("0100000A4420000000640100"), "815B1000");
+  EXPECT_EQ(request("14 01 0a 00"), "94 5b 10 00");
 }
 
 TEST(Melsec1e, BufferMemory_WithoutAModule_Is5bHWith12H) {
-  EXPECT_EQ(ask("0e ff 0a 00 00 00 00 02 55 00"), "8e 5b 12 00");
-  EXPECT_EQ(ask_ascii("0FFF000A0000000255007856"), "8F5B1200");
+  EXPECT_EQ(request("0e ff 0a 00 00 00 00 02 55 00"), "8e 5b 12 00");
+  EXPECT_EQ(request_ascii("0FFF000A0000000255007856"), "8F5B1200");
 }
 
 TEST(Melsec1e, BufferMemory_BeyondTheModules_OrOdd) {
   Plc1e plc;  // the module at 30H has 512 words
-  EXPECT_EQ(plc.ask("0e ff 0a 00 fe 03 00 02 03 00"), "8e 00 00 00");
-  EXPECT_EQ(plc.ask("0e ff 0a 00 fe 03 00 04 03 00"), "8e 57");
-  EXPECT_EQ(plc.ask("0e ff 0a 00 00 04 00 02 03 00"), "8e 58");
-  EXPECT_EQ(plc.ask("0e ff 0a 00 01 00 00 02 03 00"), "8e 58");
-  EXPECT_EQ(plc.ask("0e ff 0a 00 00 00 00 03 03 00"), "8e 57");
-  EXPECT_EQ(plc.ask("0f ff 0a 00 00 00 00 03 03 00 01 02 03"), "8f 57");
+  EXPECT_EQ(plc.request("0e ff 0a 00 fe 03 00 02 03 00"), "8e 00 00 00");
+  EXPECT_EQ(plc.request("0e ff 0a 00 fe 03 00 04 03 00"), "8e 57");
+  EXPECT_EQ(plc.request("0e ff 0a 00 00 04 00 02 03 00"), "8e 58");
+  EXPECT_EQ(plc.request("0e ff 0a 00 01 00 00 02 03 00"), "8e 58");
+  EXPECT_EQ(plc.request("0e ff 0a 00 00 00 00 03 03 00"), "8e 57");
+  EXPECT_EQ(plc.request("0f ff 0a 00 00 00 00 03 03 00 01 02 03"), "8f 57");
   EXPECT_TRUE(plc.other_module.writes.empty());
 }
 
-TEST(Melsec1e, LoopbackOfNothing_Is57H) { EXPECT_EQ(ask("16 ff 0a 00 00"), "96 57"); }
+TEST(Melsec1e, LoopbackOfNothing_Is57H) { EXPECT_EQ(request("16 ff 0a 00 00"), "96 57"); }
 
 // --- frames in a stream, and datagrams ---
 
@@ -170,21 +170,21 @@ TEST(Melsec1e, HalfARequest_WaitsForTheRest) {
 
 TEST(Melsec1e, RequestsOneBehindTheOther_AreAnsweredInOrder) {
   Plc1e plc;
-  EXPECT_EQ(plc.ask("03 ff 0a 00 64 00 00 00 20 44 01 00 34 12 | 01 ff 0a 00 64 00 00 00 20 44 01 00"),
+  EXPECT_EQ(plc.request("03 ff 0a 00 64 00 00 00 20 44 01 00 34 12 | 01 ff 0a 00 64 00 00 00 20 44 01 00"),
             "83 00 81 00 34 12");
 }
 
 TEST(Melsec1e, PortForAnyFrame_TakesEachByItsSubheader) {
   Plc plc(r04cpu(), {.takes_1e = true});
   plc.word(Device::d, 100, 0x1234);
-  EXPECT_EQ(plc.ask("01 ff 0a 00 64 00 00 00 20 44 01 00"), "81 00 34 12");
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0c 00 10 00 01 04 00 00 64 00 00 a8 01 00"),
+  EXPECT_EQ(plc.request("01 ff 0a 00 64 00 00 00 20 44 01 00"), "81 00 34 12");
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0c 00 10 00 01 04 00 00 64 00 00 a8 01 00"),
             "d0 00 00 ff ff 03 00 04 00 00 00 34 12");
 }
 
 TEST(Melsec1e, DataCodeOfThePort_IsNotTheFirstBytes) {
   Plc1e ascii(r04cpu(), {.takes_3e = false, .takes_1e = true, .code = melsec::DataCode::ascii});
-  EXPECT_EQ(ascii.ask("01 ff 0a 00 64 00 00 00 20 44 01 00"), "");
+  EXPECT_EQ(ascii.request("01 ff 0a 00 64 00 00 00 20 44 01 00"), "");
   EXPECT_TRUE(ascii.session->over());
   Plc1e binary(r04cpu(), {.takes_3e = false, .takes_1e = true, .code = melsec::DataCode::binary});
   EXPECT_EQ(shown(binary.raw("01FF000A4420000000640100")),
@@ -248,22 +248,22 @@ TEST(Melsec1eMonitor, Words_AreReadAsTheyWereRegistered) {
   plc.word(Device::d, 100, 0x1234);
   plc.word(Device::w, 0x1F, 0xABCD);
   plc.word(Device::m, 32, 0x00FF);
-  EXPECT_EQ(plc.ask("07 ff 0a 00 | 03 00 | 64 00 00 00 20 44 | 1f 00 00 00 20 57 | 20 00 00 00 20 4d"),
+  EXPECT_EQ(plc.request("07 ff 0a 00 | 03 00 | 64 00 00 00 20 44 | 1f 00 00 00 20 57 | 20 00 00 00 20 4d"),
             "87 00");
-  EXPECT_EQ(plc.ask("09 ff 0a 00"), "89 00 34 12 cd ab ff 00");
+  EXPECT_EQ(plc.request("09 ff 0a 00"), "89 00 34 12 cd ab ff 00");
   plc.word(Device::d, 100, 0x4321);
-  EXPECT_EQ(plc.ask("09 ff 0a 00"), "89 00 21 43 cd ab ff 00") << "as often as one likes";
-  EXPECT_EQ(plc.ask("07 ff 0a 00 | 01 00 | 64 00 00 00 20 44"), "87 00");
-  EXPECT_EQ(plc.ask("09 ff 0a 00"), "89 00 21 43") << "another list takes its place";
+  EXPECT_EQ(plc.request("09 ff 0a 00"), "89 00 21 43 cd ab ff 00") << "as often as one likes";
+  EXPECT_EQ(plc.request("07 ff 0a 00 | 01 00 | 64 00 00 00 20 44"), "87 00");
+  EXPECT_EQ(plc.request("09 ff 0a 00"), "89 00 21 43") << "another list takes its place";
 }
 
 TEST(Melsec1eMonitor, Bits_OfAnOddNumber_EndWithADummy) {
   Plc1e plc;
   plc.bit(Device::m, 7, true);
   plc.bit(Device::y, 0x25, true);
-  EXPECT_EQ(plc.ask("06 ff 0a 00 | 03 00 | 07 00 00 00 20 4d | 08 00 00 00 20 4d | 25 00 00 00 20 59"),
+  EXPECT_EQ(plc.request("06 ff 0a 00 | 03 00 | 07 00 00 00 20 4d | 08 00 00 00 20 4d | 25 00 00 00 20 59"),
             "86 00");
-  EXPECT_EQ(plc.ask("08 ff 0a 00"), "88 00 10 10");
+  EXPECT_EQ(plc.request("08 ff 0a 00"), "88 00 10 10");
 }
 
 TEST(Melsec1eMonitor, InAscii) {
@@ -282,36 +282,36 @@ TEST(Melsec1eMonitor, InAscii) {
 
 TEST(Melsec1eMonitor, WhatIsRefused_LeavesTheListAsItWas) {
   Plc1e plc;
-  EXPECT_EQ(plc.ask("09 ff 0a 00"), "89 57") << "nothing is registered";
-  EXPECT_EQ(plc.ask("08 ff 0a 00"), "88 57");
-  EXPECT_EQ(plc.ask("07 ff 0a 00 | 01 00 | 64 00 00 00 20 44"), "87 00");
-  EXPECT_EQ(plc.ask("08 ff 0a 00"), "88 57") << "bits and words have a list each";
-  EXPECT_EQ(plc.ask("07 ff 0a 00 | 01 00 | ff ff 00 00 20 44"), "87 58");
-  EXPECT_EQ(plc.ask("07 ff 0a 00 | 01 00 | 00 00 00 00 20 51"), "87 56");
-  EXPECT_EQ(plc.ask("07 ff 0a 00 | 01 00 | 01 00 00 00 20 4d"), "87 58")
+  EXPECT_EQ(plc.request("09 ff 0a 00"), "89 57") << "nothing is registered";
+  EXPECT_EQ(plc.request("08 ff 0a 00"), "88 57");
+  EXPECT_EQ(plc.request("07 ff 0a 00 | 01 00 | 64 00 00 00 20 44"), "87 00");
+  EXPECT_EQ(plc.request("08 ff 0a 00"), "88 57") << "bits and words have a list each";
+  EXPECT_EQ(plc.request("07 ff 0a 00 | 01 00 | ff ff 00 00 20 44"), "87 58");
+  EXPECT_EQ(plc.request("07 ff 0a 00 | 01 00 | 00 00 00 00 20 51"), "87 56");
+  EXPECT_EQ(plc.request("07 ff 0a 00 | 01 00 | 01 00 00 00 20 4d"), "87 58")
       << "words of M from a multiple of 16 on";
-  EXPECT_EQ(plc.ask("06 ff 0a 00 | 01 00 | 64 00 00 00 20 44"), "86 58") << "D has no bits";
+  EXPECT_EQ(plc.request("06 ff 0a 00 | 01 00 | 64 00 00 00 20 44"), "86 58") << "D has no bits";
   std::string points;
   for (int i = 0; i < 21; ++i) points += "64 00 00 00 20 44 ";
-  EXPECT_EQ(plc.ask("07 ff 0a 00 | 15 00 | " + points), "87 57");
-  EXPECT_EQ(plc.ask("09 ff 0a 00"), "89 00 00 00");
+  EXPECT_EQ(plc.request("07 ff 0a 00 | 15 00 | " + points), "87 57");
+  EXPECT_EQ(plc.request("09 ff 0a 00"), "89 00 00 00");
 }
 
 TEST(Melsec1eMonitor, OfAnFx3_IsUnknown) {
   Plc1e plc(fx3u());
-  EXPECT_EQ(plc.ask("07 ff 0a 00 | 01 00 | 64 00 00 00 20 44"), "87 50");
-  EXPECT_EQ(plc.ask("09 ff 0a 00"), "89 50");
+  EXPECT_EQ(plc.request("07 ff 0a 00 | 01 00 | 64 00 00 00 20 44"), "87 50");
+  EXPECT_EQ(plc.request("09 ff 0a 00"), "89 50");
 }
 
 // --- 32-bit counters of an FX3 ---
 
 TEST(Melsec1eFx3, ValuesOfC200AndFurther_AreFourBytesAPoint) {
   Plc1e plc(fx3u());
-  EXPECT_EQ(plc.ask("03 ff 0a 00 | c8 00 00 00 4e 43 | 02 00 | 78 56 34 12 ff ff ff ff"), "83 00");
-  EXPECT_EQ(plc.ask("01 ff 0a 00 | c8 00 00 00 4e 43 | 02 00"), "81 00 78 56 34 12 ff ff ff ff");
+  EXPECT_EQ(plc.request("03 ff 0a 00 | c8 00 00 00 4e 43 | 02 00 | 78 56 34 12 ff ff ff ff"), "83 00");
+  EXPECT_EQ(plc.request("01 ff 0a 00 | c8 00 00 00 4e 43 | 02 00"), "81 00 78 56 34 12 ff ff ff ff");
   EXPECT_EQ(plc.word(Device::cn, 200), 0x5678) << "where there is room for one word, the low one";
-  EXPECT_EQ(plc.ask("01 ff 0a 00 | ff 00 00 00 4e 43 | 01 00"), "81 00 00 00 00 00") << "C255";
-  EXPECT_EQ(plc.ask("01 ff 0a 00 | c7 00 00 00 4e 43 | 01 00"), "81 00 00 00") << "C199 has 16 bits";
+  EXPECT_EQ(plc.request("01 ff 0a 00 | ff 00 00 00 4e 43 | 01 00"), "81 00 00 00 00 00") << "C255";
+  EXPECT_EQ(plc.request("01 ff 0a 00 | c7 00 00 00 4e 43 | 01 00"), "81 00 00 00") << "C199 has 16 bits";
   Plc1e ascii(fx3u());
   EXPECT_EQ(ascii.raw("03FF000A434E000000C8010012345678"), "8300");
   EXPECT_EQ(ascii.raw("01FF000A434E000000C80100"), "810012345678");
@@ -319,13 +319,14 @@ TEST(Melsec1eFx3, ValuesOfC200AndFurther_AreFourBytesAPoint) {
 
 TEST(Melsec1eFx3, ValuesOfTwoSizes_AreNotInOneRequest) {
   Plc1e plc(fx3u());
-  EXPECT_EQ(plc.ask("01 ff 0a 00 | c7 00 00 00 4e 43 | 02 00"), "81 57");
-  EXPECT_EQ(plc.ask("03 ff 0a 00 | c7 00 00 00 4e 43 | 02 00 | 01 00 02 00"), "83 57");
-  EXPECT_EQ(plc.ask("01 ff 0a 00 | c8 00 00 00 4e 43 | 39 00"), "81 57") << "C256 is not there";
-  EXPECT_EQ(plc.ask("05 ff 0a 00 | 01 00 | c8 00 00 00 4e 43 01 00"), "85 56") << "two bytes cannot hold it";
-  EXPECT_EQ(plc.ask("00 ff 0a 00 | c7 00 00 00 53 43 | 02 00"), "80 00 00")
+  EXPECT_EQ(plc.request("01 ff 0a 00 | c7 00 00 00 4e 43 | 02 00"), "81 57");
+  EXPECT_EQ(plc.request("03 ff 0a 00 | c7 00 00 00 4e 43 | 02 00 | 01 00 02 00"), "83 57");
+  EXPECT_EQ(plc.request("01 ff 0a 00 | c8 00 00 00 4e 43 | 39 00"), "81 57") << "C256 is not there";
+  EXPECT_EQ(plc.request("05 ff 0a 00 | 01 00 | c8 00 00 00 4e 43 01 00"), "85 56")
+      << "two bytes cannot hold it";
+  EXPECT_EQ(plc.request("00 ff 0a 00 | c7 00 00 00 53 43 | 02 00"), "80 00 00")
       << "contacts are bits all the same";
-  EXPECT_EQ(Plc1e{}.ask("01 ff 0a 00 | c7 00 00 00 4e 43 | 02 00"), "81 00 00 00 00 00")
+  EXPECT_EQ(Plc1e{}.request("01 ff 0a 00 | c7 00 00 00 4e 43 | 02 00"), "81 00 00 00 00 00")
       << "16 bits in a Q CPU";
 }
 

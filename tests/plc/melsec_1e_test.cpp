@@ -7,10 +7,10 @@ namespace {
 
 TEST(Melsec1e, StepRelaysAndSpecialRelaysOfAnFx_AreReadAndWritten) {
   Plc1e plc(fx3u());
-  EXPECT_EQ(plc.ask("02 ff 0a 00 | ff 0f 00 00 20 53 | 01 00 | 10"), "82 00");
+  EXPECT_EQ(plc.request("02 ff 0a 00 | ff 0f 00 00 20 53 | 01 00 | 10"), "82 00");
   EXPECT_TRUE(plc.bit(Device::s, 4095));
-  EXPECT_EQ(plc.ask("00 ff 0a 00 | fe 0f 00 00 20 53 | 02 00"), "80 00 01");
-  EXPECT_EQ(plc.ask("00 ff 0a 00 | 40 1f 00 00 20 4d | 02 00"), "80 00 10") << "M8000, M8001";
+  EXPECT_EQ(plc.request("00 ff 0a 00 | fe 0f 00 00 20 53 | 02 00"), "80 00 01");
+  EXPECT_EQ(plc.request("00 ff 0a 00 | 40 1f 00 00 20 4d | 02 00"), "80 00 10") << "M8000, M8001";
 }
 
 // --- what the manuals print ---
@@ -18,7 +18,7 @@ TEST(Melsec1e, StepRelaysAndSpecialRelaysOfAnFx_AreReadAndWritten) {
 TEST(Melsec1e, ReadBits_M100To107_AsThePrintedExample) {
   Plc1e plc;
   for (const std::uint32_t number : {100U, 102U, 105U, 106U}) plc.bit(Device::m, number, true);
-  EXPECT_EQ(plc.ask("00 ff 0a 00 | 64 00 00 00 20 4d | 08 00"), "80 00 10 10 01 10");
+  EXPECT_EQ(plc.request("00 ff 0a 00 | 64 00 00 00 20 4d | 08 00"), "80 00 10 10 01 10");
 }
 
 TEST(Melsec1e, ReadBits_InAscii_AsThePrintedExample) {
@@ -36,7 +36,7 @@ TEST(Melsec1e, TestInWords_InAscii_AsThePrintedExample) {
 }
 
 TEST(Melsec1e, CpuModelOfAnFx3u_IsF3H) {
-  EXPECT_EQ(Plc1e(fx3u()).ask("15 ff 0a 00"), "95 00 f3 00");
+  EXPECT_EQ(Plc1e(fx3u()).request("15 ff 0a 00"), "95 00 f3 00");
   EXPECT_EQ(Plc1e(fx3u()).raw("15FF000A"), "9500F300");
 }
 
@@ -46,7 +46,7 @@ TEST(Melsec1e, ReadBits_OfAnOddNumber_EndsWithADummy) {
   Plc1e plc;
   plc.bit(Device::m, 16, true);
   plc.bit(Device::m, 18, true);
-  EXPECT_EQ(plc.ask("00 ff 00 00 10 00 00 00 20 4d 03 00"), "80 00 10 10");
+  EXPECT_EQ(plc.request("00 ff 00 00 10 00 00 00 20 4d 03 00"), "80 00 10 10");
   EXPECT_EQ(Plc1e{}.raw("00FF00004D20000000100300"), "80000000");
 }
 
@@ -62,7 +62,7 @@ TEST(Melsec1e, ReadWords) {
   Plc1e plc;
   plc.word(Device::d, 100, 0x1234);
   plc.word(Device::d, 101, 0xABCD);
-  EXPECT_EQ(plc.ask("01 ff 0a 00 | 64 00 00 00 20 44 | 02 00"), "81 00 34 12 cd ab");
+  EXPECT_EQ(plc.request("01 ff 0a 00 | 64 00 00 00 20 44 | 02 00"), "81 00 34 12 cd ab");
   Plc1e ascii;
   ascii.word(Device::d, 100, 0x1234);
   ascii.word(Device::d, 101, 0xABCD);
@@ -72,12 +72,12 @@ TEST(Melsec1e, ReadWords) {
 TEST(Melsec1e, ReadWords_OfABitDevice_Are16PointsEach) {
   Plc1e plc;
   plc.word(Device::m, 16, 0xAB12);
-  EXPECT_EQ(plc.ask("01 ff 0a 00 10 00 00 00 20 4d 02 00"), "81 00 12 ab 00 00");
+  EXPECT_EQ(plc.request("01 ff 0a 00 10 00 00 00 20 4d 02 00"), "81 00 12 ab 00 00");
 }
 
 TEST(Melsec1e, WriteBits) {
   Plc1e plc;
-  EXPECT_EQ(plc.ask("02 ff 0a 00 | 32 00 00 00 20 4d | 03 00 | 11 10"), "82 00");
+  EXPECT_EQ(plc.request("02 ff 0a 00 | 32 00 00 00 20 4d | 03 00 | 11 10"), "82 00");
   EXPECT_TRUE(plc.bit(Device::m, 50));
   EXPECT_TRUE(plc.bit(Device::m, 51));
   EXPECT_TRUE(plc.bit(Device::m, 52));
@@ -95,14 +95,14 @@ TEST(Melsec1e, WriteBits_InAscii_OfAnOddNumberHasADummy) {
 
 TEST(Melsec1e, WriteBits_OfY_AreEdgesAtTheModule) {
   Plc1e plc;
-  EXPECT_EQ(plc.ask("02 ff 00 00 01 00 00 00 20 59 02 00 11"), "82 00");
+  EXPECT_EQ(plc.request("02 ff 00 00 01 00 00 00 20 59 02 00 11"), "82 00");
   EXPECT_EQ(plc.module.edges.size(), 2U);
   EXPECT_EQ(plc.module.y, 0x6U);
 }
 
 TEST(Melsec1e, WriteWords) {
   Plc1e plc;
-  EXPECT_EQ(plc.ask("03 ff 0a 00 | 64 00 00 00 20 44 | 02 00 | 34 12 cd ab"), "83 00");
+  EXPECT_EQ(plc.request("03 ff 0a 00 | 64 00 00 00 20 44 | 02 00 | 34 12 cd ab"), "83 00");
   EXPECT_EQ(plc.word(Device::d, 100), 0x1234);
   EXPECT_EQ(plc.word(Device::d, 101), 0xABCD);
   EXPECT_EQ(Plc1e{}.raw("03FF000A4420000000640200"
@@ -113,7 +113,7 @@ TEST(Melsec1e, WriteWords) {
 TEST(Melsec1e, TestInBits) {
   Plc1e plc;
   plc.bit(Device::m, 3, true);
-  EXPECT_EQ(plc.ask("04 ff 0a 00 | 02 00 | 02 00 00 00 20 59 01 | 03 00 00 00 20 4d 00"), "84 00");
+  EXPECT_EQ(plc.request("04 ff 0a 00 | 02 00 | 02 00 00 00 20 59 01 | 03 00 00 00 20 4d 00"), "84 00");
   EXPECT_EQ(plc.module.y, 0x4U);
   EXPECT_FALSE(plc.bit(Device::m, 3));
   EXPECT_EQ(Plc1e{}.raw("04FF000A0200"
@@ -124,7 +124,7 @@ TEST(Melsec1e, TestInBits) {
 
 TEST(Melsec1e, TestInWords) {
   Plc1e plc;
-  EXPECT_EQ(plc.ask("05 ff 0a 00 | 02 00 | 0a 00 00 00 20 44 34 12 | 10 00 00 00 20 4d 03 00"), "85 00");
+  EXPECT_EQ(plc.request("05 ff 0a 00 | 02 00 | 0a 00 00 00 20 44 34 12 | 10 00 00 00 20 4d 03 00"), "85 00");
   EXPECT_EQ(plc.word(Device::d, 10), 0x1234);
   EXPECT_EQ(plc.word(Device::m, 16), 3);
 }
@@ -134,8 +134,8 @@ TEST(Melsec1e, BufferMemory_GoesByByteAddresses) {
   plc.other_module.words[0x3F8] = 0;
   plc.module.words[0x3F8] = 0x1809;
   plc.module.words[0x3F9] = 0x3420;
-  EXPECT_EQ(plc.ask("0e ff 0a 00 | f0 07 00 | 04 | 00 | 00"), "8e 00 09 18 20 34");
-  EXPECT_EQ(plc.ask("0f ff 0a 00 | 02 00 00 | 02 | 03 | 00 | 78 56"), "8f 00");
+  EXPECT_EQ(plc.request("0e ff 0a 00 | f0 07 00 | 04 | 00 | 00"), "8e 00 09 18 20 34");
+  EXPECT_EQ(plc.request("0f ff 0a 00 | 02 00 00 | 02 | 03 | 00 | 78 56"), "8f 00");
   EXPECT_EQ(plc.other_module.words[1], 0x5678);
   Plc1e ascii;
   ascii.module.words[0x3F8] = 0x1809;
@@ -153,27 +153,27 @@ TEST(Melsec1e, BufferMemory_ByteCountOf00H_Is256) {
 TEST(Melsec1e, ModuleNumber_MayBeThatOfItsLastPoints) {
   Plc1e plc;  // 32 points from 00H on: 01 is the module, too, as the manual's 13 for 120H to 13FH
   plc.module.words[0] = 7;
-  EXPECT_EQ(plc.ask("0e ff 0a 00 00 00 00 02 01 00"), "8e 00 07 00");
+  EXPECT_EQ(plc.request("0e ff 0a 00 00 00 00 02 01 00"), "8e 00 07 00");
 }
 
 TEST(Melsec1e, RemoteStopAndRun) {
   Plc1e plc;
-  EXPECT_EQ(plc.ask("14 ff 0a 00"), "94 00");
+  EXPECT_EQ(plc.request("14 ff 0a 00"), "94 00");
   EXPECT_EQ(plc.rack.cpu_state(), module::CpuState::stop);
-  EXPECT_EQ(plc.ask("13 ff 0a 00"), "93 00");
+  EXPECT_EQ(plc.request("13 ff 0a 00"), "93 00");
   EXPECT_EQ(plc.rack.cpu_state(), module::CpuState::run);
   EXPECT_EQ(Plc1e{}.raw("14FF000A"), "9400");
   EXPECT_EQ(Plc1e{}.raw("13FF000A"), "9300");
 }
 
 TEST(Melsec1e, CpuModel_OfOtherCpus_IsTheCodeOf0101) {
-  EXPECT_EQ(ask("15 ff 0a 00"), "95 00 00 48");
+  EXPECT_EQ(request("15 ff 0a 00"), "95 00 00 48");
   EXPECT_EQ(Plc1e(q03udvcpu()).raw("15FF000A"), "95006603");
 }
 
 TEST(Melsec1e, Loopback) {
-  EXPECT_EQ(ask("16 ff 0a 00 | 05 | 41 42 43 44 45"), "96 00 05 41 42 43 44 45");
-  EXPECT_EQ(ask_ascii("16FF000A0241F7"), "96000241F7");
+  EXPECT_EQ(request("16 ff 0a 00 | 05 | 41 42 43 44 45"), "96 00 05 41 42 43 44 45");
+  EXPECT_EQ(request_ascii("16FF000A0241F7"), "96000241F7");
 }
 
 }  // namespace

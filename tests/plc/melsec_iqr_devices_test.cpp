@@ -17,15 +17,16 @@ const std::string done = "d0 00 00 ff ff 03 00 02 00 00 00";
 const std::string reply_1234 = "d0 00 00 ff ff 03 00 04 00 00 00 34 12";
 
 /// The end code of a refusal in binary code, low byte first.
-std::string end_code(Plc& plc, const std::string& request) { return plc.ask(request).substr(27, 5); }
+std::string end_code(Plc& plc, const std::string& request) { return plc.request(request).substr(27, 5); }
 std::string end_code(Plc&& plc, const std::string& request) { return end_code(plc, request); }
 
 TEST(MelsecIqrDevices, Rd_IsReadAndWrittenInEachLayout) {
   Plc plc;
-  EXPECT_EQ(plc.ask(head + "0e 00 10 00 01 14 00 00 | ff ff 07 2c | 01 00 34 12"), done);
+  EXPECT_EQ(plc.request(head + "0e 00 10 00 01 14 00 00 | ff ff 07 2c | 01 00 34 12"), done);
   EXPECT_EQ(plc.word(Device::rd, 524287), 0x1234);
-  EXPECT_EQ(plc.ask(head + "0e 00 10 00 01 04 02 00 | ff ff 07 00 2c 00 | 01 00"), reply_1234);
-  EXPECT_EQ(plc.ask(head + "13 00 10 00 01 04 80 00 | 00 00 ff ff 07 2c 00 00 00 00 00 | 01 00"), reply_1234);
+  EXPECT_EQ(plc.request(head + "0e 00 10 00 01 04 02 00 | ff ff 07 00 2c 00 | 01 00"), reply_1234);
+  EXPECT_EQ(plc.request(head + "13 00 10 00 01 04 80 00 | 00 00 ff ff 07 2c 00 00 00 00 00 | 01 00"),
+            reply_1234);
   Plc ascii;
   ascii.word(Device::rd, 10, 0xBEEF);
   EXPECT_EQ(ascii.raw("500000FF03FF000018001004010000RD0000100001"), "D00000FF03FF0000080000BEEF");
@@ -62,11 +63,13 @@ TEST(MelsecIqrDevices, Rd_IsClearedWithTheOtherDevices) {
 
 TEST(MelsecIqrDevices, Hg_IsReadAndWrittenInEachExtendedLayout) {
   Plc plc;
-  EXPECT_EQ(plc.ask(head + "15 00 10 00 01 14 80 00 | 00 00 ff 2f 00 2e 00 00 e0 03 fa | 01 00 34 12"), done);
+  EXPECT_EQ(plc.request(head + "15 00 10 00 01 14 80 00 | 00 00 ff 2f 00 2e 00 00 e0 03 fa | 01 00 34 12"),
+            done);
   EXPECT_EQ(plc.word(Device::hg, 12287), 0x1234);
-  EXPECT_EQ(plc.ask(head + "15 00 10 00 01 04 82 00 | 00 00 ff 2f 00 00 2e 00 00 00 e0 03 fa | 01 00"),
+  EXPECT_EQ(plc.request(head + "15 00 10 00 01 04 82 00 | 00 00 ff 2f 00 00 2e 00 00 00 e0 03 fa | 01 00"),
             reply_1234);
-  EXPECT_EQ(plc.ask(head + "13 00 10 00 01 04 80 00 | 00 00 ff 2f 00 2e 00 00 e0 03 f8 | 01 00"), reply_1234);
+  EXPECT_EQ(plc.request(head + "13 00 10 00 01 04 80 00 | 00 00 ff 2f 00 2e 00 00 e0 03 f8 | 01 00"),
+            reply_1234);
   Plc ascii;
   ascii.word(Device::hg, 10, 0xBEEF);
   EXPECT_EQ(ascii.raw("500000FF03FF000024001004010080"
@@ -82,12 +85,12 @@ TEST(MelsecIqrDevices, Hg_IsReadAndWrittenInEachExtendedLayout) {
 TEST(MelsecIqrDevices, Hg_InRandomReadsAndWritesBlocksAndMonitors) {
   Plc plc;
   const std::string hg5 = "00 00 05 00 00 2e 00 00 e0 03 fa ";
-  EXPECT_EQ(plc.ask(head + "15 00 10 00 02 14 80 00 | 01 00 | " + hg5 + "34 12"), done);
+  EXPECT_EQ(plc.request(head + "15 00 10 00 02 14 80 00 | 01 00 | " + hg5 + "34 12"), done);
   EXPECT_EQ(plc.word(Device::hg, 5), 0x1234);
-  EXPECT_EQ(plc.ask(head + "13 00 10 00 03 04 80 00 | 01 00 | " + hg5), reply_1234);
-  EXPECT_EQ(plc.ask(head + "15 00 10 00 06 04 80 00 | 01 00 | " + hg5 + "01 00"), reply_1234);
-  EXPECT_EQ(plc.ask(head + "13 00 10 00 01 08 80 00 | 01 00 | " + hg5), done);
-  EXPECT_EQ(plc.ask(head + "06 00 10 00 02 08 00 00"), reply_1234);
+  EXPECT_EQ(plc.request(head + "13 00 10 00 03 04 80 00 | 01 00 | " + hg5), reply_1234);
+  EXPECT_EQ(plc.request(head + "15 00 10 00 06 04 80 00 | 01 00 | " + hg5 + "01 00"), reply_1234);
+  EXPECT_EQ(plc.request(head + "13 00 10 00 01 08 80 00 | 01 00 | " + hg5), done);
+  EXPECT_EQ(plc.request(head + "06 00 10 00 02 08 00 00"), reply_1234);
 }
 
 TEST(MelsecIqrDevices, Hg_EndsAt12287_HoldsWords_AndIsTheOwnCpus) {
@@ -95,7 +98,7 @@ TEST(MelsecIqrDevices, Hg_EndsAt12287_HoldsWords_AndIsTheOwnCpus) {
   const auto read = [](const std::string& number, const std::string& of) {
     return head + "13 00 10 00 01 04 80 00 | 00 00 " + number + " 2e 00 00 " + of + " fa | 01 00";
   };
-  EXPECT_EQ(plc.ask(read("ff 2f 00", "e0 03")), "d0 00 00 ff ff 03 00 04 00 00 00 00 00");
+  EXPECT_EQ(plc.request(read("ff 2f 00", "e0 03")), "d0 00 00 ff ff 03 00 04 00 00 00 00 00");
   EXPECT_EQ(end_code(plc, read("00 30 00", "e0 03")), "31 40");
   EXPECT_EQ(end_code(plc, read("00 00 00", "e1 03")), "43 40") << "there is no CPU No. 2";
   EXPECT_EQ(end_code(plc, read("00 00 00", "00 00")), "43 40") << "a module has no HG";

@@ -36,17 +36,17 @@ std::string refused(const std::string& end_code, const std::string& command) {
 
 TEST(MelsecPort, WithAPassword_EverythingIsC201UntilItCame) {
   PlcWithPassword plc;
-  EXPECT_EQ(plc.ask(read_d100), refused("01 c2", "01 04"));
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 06 00 10 00 99 99 00 00"), refused("01 c2", "99 99"));
+  EXPECT_EQ(plc.request(read_d100), refused("01 c2", "01 04"));
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 06 00 10 00 99 99 00 00"), refused("01 c2", "99 99"));
   EXPECT_EQ(plc.unlock("secret"), done);
-  EXPECT_EQ(plc.ask(read_d100), d100);
+  EXPECT_EQ(plc.request(read_d100), d100);
 }
 
 TEST(MelsecPort, AWrongPassword_IsC810_OfAQCpuC200) {
   PlcWithPassword plc;
   EXPECT_EQ(plc.unlock("Secret"), refused("10 c8", "30 16"));
   EXPECT_EQ(plc.unlock("secre"), refused("10 c8", "30 16"));
-  EXPECT_EQ(plc.ask(read_d100), refused("01 c2", "01 04"));
+  EXPECT_EQ(plc.request(read_d100), refused("01 c2", "01 04"));
   PlcWithPassword q(q03udvcpu(), "ABCD");
   EXPECT_EQ(q.unlock("abcd"), refused("00 c2", "30 16"));
   EXPECT_EQ(q.unlock("ABCD"), done);
@@ -56,20 +56,20 @@ TEST(MelsecPort, AnUnlockedPort_DoesNotLookAtThePassword) {
   PlcWithPassword plc;
   EXPECT_EQ(plc.unlock("secret"), done);
   EXPECT_EQ(plc.unlock("anything"), done);
-  EXPECT_EQ(plc.ask(read_d100), d100);
+  EXPECT_EQ(plc.request(read_d100), d100);
   Plc without;
-  EXPECT_EQ(without.ask("50 00 00 ff ff 03 00 0c 00 10 00 30 16 00 00 04 00 41 42 43 44"), done);
-  EXPECT_EQ(without.ask("50 00 00 ff ff 03 00 0c 00 10 00 31 16 00 00 04 00 41 42 43 44"), done);
-  EXPECT_EQ(without.ask(read_d100), "d0 00 00 ff ff 03 00 04 00 00 00 00 00");
+  EXPECT_EQ(without.request("50 00 00 ff ff 03 00 0c 00 10 00 30 16 00 00 04 00 41 42 43 44"), done);
+  EXPECT_EQ(without.request("50 00 00 ff ff 03 00 0c 00 10 00 31 16 00 00 04 00 41 42 43 44"), done);
+  EXPECT_EQ(without.request(read_d100), "d0 00 00 ff ff 03 00 04 00 00 00 00 00");
 }
 
 TEST(MelsecPort, Lock_LocksAgain) {
   PlcWithPassword plc;
   EXPECT_EQ(plc.unlock("secret"), done);
   EXPECT_EQ(plc.unlock("wrong!", 0x31), refused("10 c8", "31 16"));
-  EXPECT_EQ(plc.ask(read_d100), d100);
+  EXPECT_EQ(plc.request(read_d100), d100);
   EXPECT_EQ(plc.unlock("secret", 0x31), done);
-  EXPECT_EQ(plc.ask(read_d100), refused("01 c2", "01 04"));
+  EXPECT_EQ(plc.request(read_d100), refused("01 c2", "01 04"));
   EXPECT_EQ(plc.unlock("anything", 0x31), done);  // it is locked already
 }
 
@@ -80,7 +80,7 @@ TEST(MelsecPort, PasswordInAscii_IsTextBothWays) {
 
 TEST(MelsecPort, PasswordThatIsShorterThanItsLength_IsC061) {
   PlcWithPassword plc;
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0c 00 10 00 30 16 00 00 06 00 41 42 43 44"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0c 00 10 00 30 16 00 00 06 00 41 42 43 44"),
             refused("61 c0", "30 16"));
 }
 
@@ -104,26 +104,26 @@ TEST(MelsecPort, OnlineChange_WhereItIsNotEnabled_Is0055InRunOnly) {
                                 "50 00 00 ff ff 03 00 10 00 10 00 06 14 00 00 01 00 64 00 00 a8 01 00 34 12",
                                 "50 00 00 ff ff 03 00 10 00 10 00 01 16 00 00 00 00 00 00 02 00 00 00 34 12",
                                 "50 00 00 ff ff 03 00 0e 00 10 00 13 16 00 00 00 00 00 00 01 00 34 12"};
-  for (const std::string& request : writes) EXPECT_EQ(plc.ask(request).substr(27, 5), "55 00") << request;
+  for (const std::string& request : writes) EXPECT_EQ(plc.request(request).substr(27, 5), "55 00") << request;
   EXPECT_EQ(plc.word(Device::d, 100), 0);
   EXPECT_TRUE(plc.module.writes.empty());
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 08 00 10 00 02 10 00 00 01 00"), done);  // remote STOP
-  for (const std::string& request : writes) EXPECT_EQ(plc.ask(request), done) << request;
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 08 00 10 00 02 10 00 00 01 00"), done);  // remote STOP
+  for (const std::string& request : writes) EXPECT_EQ(plc.request(request), done) << request;
 }
 
 TEST(MelsecPort, ClientThatMayOnlyLook_DoesNotChangeTheCpuEither) {
   Plc plc(r04cpu(), {.write = WritePermission::never});
   plc.word(Device::d, 100, 0x1234);
-  EXPECT_EQ(plc.ask(read_d100), d100);
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 08 00 10 00 02 10 00 00 01 00"), refused("8b 40", "02 10"));
+  EXPECT_EQ(plc.request(read_d100), d100);
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 08 00 10 00 02 10 00 00 01 00"), refused("8b 40", "02 10"));
   EXPECT_EQ(plc.rack.cpu_state(), module::CpuState::run);
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0e 00 10 00 01 14 00 00 64 00 00 a8 01 00 00 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0e 00 10 00 01 14 00 00 64 00 00 a8 01 00 00 00"),
             refused("55 00", "01 14"));
 }
 
 TEST(MelsecPort, DataCodeOfThePort_RefusesTheOther) {
   Plc plc(r04cpu(), {.code = melsec::DataCode::ascii});
-  EXPECT_EQ(plc.ask(read_d100), "");
+  EXPECT_EQ(plc.request(read_d100), "");
   EXPECT_TRUE(plc.session->over());
 }
 
@@ -158,11 +158,11 @@ TEST(MelsecPort, DatagramWithoutAHeader_GetsNoAnswer) {
 
 TEST(MelsecPort, DatagramsRemember_WhatTheyRegistered) {
   PlcWithPassword plc;
-  const auto ask = [&](const std::string& request) { return shown(plc.datagram(bytes(request))); };
-  EXPECT_EQ(ask(read_d100).substr(27, 5), "01 c2");
-  EXPECT_EQ(ask("50 00 00 ff ff 03 00 0e 00 10 00 30 16 00 00 06 00 73 65 63 72 65 74"), done);
-  EXPECT_EQ(ask("50 00 00 ff ff 03 00 0c 00 10 00 01 08 00 00 01 00 64 00 00 a8"), done);
-  EXPECT_EQ(ask("50 00 00 ff ff 03 00 06 00 10 00 02 08 00 00"), d100);
+  const auto datagram = [&](const std::string& request) { return shown(plc.datagram(bytes(request))); };
+  EXPECT_EQ(datagram(read_d100).substr(27, 5), "01 c2");
+  EXPECT_EQ(datagram("50 00 00 ff ff 03 00 0e 00 10 00 30 16 00 00 06 00 73 65 63 72 65 74"), done);
+  EXPECT_EQ(datagram("50 00 00 ff ff 03 00 0c 00 10 00 01 08 00 00 01 00 64 00 00 a8"), done);
+  EXPECT_EQ(datagram("50 00 00 ff ff 03 00 06 00 10 00 02 08 00 00"), d100);
 }
 
 TEST(MelsecRemoteReset, InStop_ClearsTheDevicesAndEndsTheConversation) {
@@ -172,17 +172,17 @@ TEST(MelsecRemoteReset, InStop_ClearsTheDevicesAndEndsTheConversation) {
     return "d0 00 00 ff ff 03 00 0b 00 " + code + " 00 ff ff 03 00 06 10 00 00";
   };
   plc.word(Device::d, 100, 7);
-  EXPECT_EQ(plc.ask(reset), refusal("13 40")) << "in RUN";
+  EXPECT_EQ(plc.request(reset), refusal("13 40")) << "in RUN";
   plc.rack.pause(plc.now);
-  EXPECT_EQ(plc.ask(reset), refusal("13 40")) << "in PAUSE";
+  EXPECT_EQ(plc.request(reset), refusal("13 40")) << "in PAUSE";
   plc.rack.set_cpu_state(module::CpuState::stop, plc.now);
   EXPECT_EQ(plc.word(Device::sd, 203), 0x0022);
-  EXPECT_EQ(plc.ask(reset + " 50 00 00 ff ff 03 00 06 00 10 00 01 01 00 00"), "")
+  EXPECT_EQ(plc.request(reset + " 50 00 00 ff ff 03 00 06 00 10 00 01 01 00 00"), "")
       << "nobody is left to answer";
   EXPECT_TRUE(plc.session->over());
   EXPECT_EQ(plc.word(Device::d, 100), 0);
   EXPECT_EQ(plc.rack.cpu_state(), module::CpuState::run) << "where its switch is";
-  EXPECT_EQ(Plc{}.ask(reset), refusal("8b 40")) << "a new project does not allow it";
+  EXPECT_EQ(Plc{}.request(reset), refusal("8b 40")) << "a new project does not allow it";
 }
 
 TEST(MelsecRemoteReset, WithTheSwitchAtStop_ComesUpInStop) {

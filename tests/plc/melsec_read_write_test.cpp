@@ -17,7 +17,7 @@ TEST(Melsec, BatchReadWords_OfD100_IsTheManualsExample) {
   Plc plc;
   plc.word(Device::d, 101, 0x0101);
   plc.word(Device::d, 102, 0x0102);
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0c 00 04 00 01 04 00 00 64 00 00 a8 03 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0c 00 04 00 01 04 00 00 64 00 00 a8 03 00"),
             "d0 00 00 ff ff 03 00 08 00 00 00 00 00 01 01 02 01");
 }
 
@@ -41,7 +41,7 @@ TEST(Melsec, BatchReadWords_InAscii_TakesHexadecimalNumbersOfW) {
 
 TEST(Melsec, Frame4E_CarriesItsSerialNumberBack) {
   Plc plc;
-  EXPECT_EQ(plc.ask("54 00 34 12 00 00 00 ff ff 03 00 0c 00 10 00 01 04 00 00 64 00 00 a8 01 00"),
+  EXPECT_EQ(plc.request("54 00 34 12 00 00 00 ff ff 03 00 0c 00 10 00 01 04 00 00 64 00 00 a8 01 00"),
             "d4 00 34 12 00 00 00 ff ff 03 00 04 00 00 00 00 00");
   Plc ascii;
   EXPECT_EQ(ascii.raw("54001234000000FF03FF000018001004010000D*0001000001"),
@@ -50,7 +50,7 @@ TEST(Melsec, Frame4E_CarriesItsSerialNumberBack) {
 
 TEST(Melsec, BatchWriteWords_InBinaryAndAscii) {
   Plc plc;
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 10 00 10 00 01 14 00 00 64 00 00 a8 02 00 34 12 78 56"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 10 00 10 00 01 14 00 00 64 00 00 a8 02 00 34 12 78 56"),
             "d0 00 00 ff ff 03 00 02 00 00 00");
   EXPECT_EQ(plc.word(Device::d, 100), 0x1234);
   EXPECT_EQ(plc.word(Device::d, 101), 0x5678);
@@ -65,7 +65,7 @@ TEST(Melsec, BatchReadBits_PutsTwoPointsInAByteFirstOneHigh) {
   plc.bit(Device::m, 100, true);
   plc.bit(Device::m, 103, true);
   plc.bit(Device::m, 104, true);
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0c 00 10 00 01 04 01 00 64 00 00 90 05 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0c 00 10 00 01 04 01 00 64 00 00 90 05 00"),
             "d0 00 00 ff ff 03 00 05 00 00 00 10 01 10");
 }
 
@@ -77,7 +77,7 @@ TEST(Melsec, BatchReadBits_InAscii_IsACharacterAPoint) {
 
 TEST(Melsec, BatchWriteBits_SetsOutputsOfTheModule) {
   Plc plc;
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0e 00 10 00 01 14 01 00 31 00 00 9d 03 00 10 10"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0e 00 10 00 01 14 01 00 31 00 00 9d 03 00 10 10"),
             "d0 00 00 ff ff 03 00 02 00 00 00");
   EXPECT_THAT(plc.other_module.edges, ElementsAre(Pair(1U, true), Pair(3U, true)));
   EXPECT_EQ(Plc{}.raw("500000FF03FF00001B001014010001Y*0000310003101"), "D00000FF03FF0000040000");
@@ -85,19 +85,19 @@ TEST(Melsec, BatchWriteBits_SetsOutputsOfTheModule) {
 
 TEST(Melsec, WordsOfBitDevices_HaveTheFirstPointInBit0) {
   Plc plc;
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0e 00 10 00 01 14 00 00 40 00 00 9d 01 00 05 80"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0e 00 10 00 01 14 00 00 40 00 00 9d 01 00 05 80"),
             "d0 00 00 ff ff 03 00 02 00 00 00");
   EXPECT_TRUE(plc.bit(Device::y, 0x40));
   EXPECT_TRUE(plc.bit(Device::y, 0x42));
   EXPECT_TRUE(plc.bit(Device::y, 0x4F));
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0c 00 10 00 01 04 00 00 40 00 00 9d 01 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0c 00 10 00 01 04 00 00 40 00 00 9d 01 00"),
             "d0 00 00 ff ff 03 00 04 00 00 00 05 80");
 }
 
 TEST(Melsec, IqrLayout_HasFourByteNumbersAndTwoByteCodes) {
   Plc plc;
   plc.word(Device::d, 100, 0x1234);
-  EXPECT_EQ(plc.ask("54 00 01 00 00 00 00 ff ff 03 00 0e 00 10 00 01 04 02 00 64 00 00 00 a8 00 01 00"),
+  EXPECT_EQ(plc.request("54 00 01 00 00 00 00 ff ff 03 00 0e 00 10 00 01 04 02 00 64 00 00 00 a8 00 01 00"),
             "d4 00 01 00 00 00 00 ff ff 03 00 04 00 00 00 34 12");
   EXPECT_EQ(Plc{}.raw("500000FF03FF00001C001004010002D***000001000001"), "D00000FF03FF00000800000000");
 }
@@ -106,7 +106,7 @@ TEST(Melsec, BufferMemory_BySubcommand0080_InBothCodes) {
   Plc plc;
   plc.module.words[25] = 0x0280;
   EXPECT_EQ(
-      plc.ask("50 00 00 ff ff 03 00 13 00 10 00 01 04 80 00 | 00 00 19 00 00 ab 00 00 00 00 f8 | 01 00"),
+      plc.request("50 00 00 ff ff 03 00 13 00 10 00 01 04 80 00 | 00 00 19 00 00 ab 00 00 00 00 f8 | 01 00"),
       "d0 00 00 ff ff 03 00 04 00 00 00 80 02");
   Plc ascii;
   ascii.other_module.words[256] = 0xBEEF;
@@ -120,7 +120,7 @@ TEST(Melsec, BufferMemory_BySubcommand0082_InBothCodes) {
   Plc plc;
   plc.other_module.words[256] = 0xBEEF;
   EXPECT_EQ(
-      plc.ask(
+      plc.request(
           "54 00 02 00 00 00 00 ff ff 03 00 15 00 10 00 01 04 82 00 | 00 00 00 01 00 00 ab 00 00 00 03 00 f8 "
           "| 01 00"),
       "d4 00 02 00 00 00 00 ff ff 03 00 04 00 00 00 ef be");
@@ -135,8 +135,9 @@ TEST(Melsec, BufferMemory_BySubcommand0082_InBothCodes) {
 TEST(Melsec, BufferMemory_Written_ReachesTheModuleInOrderOfAddresses) {
   Plc plc;
   EXPECT_EQ(
-      plc.ask("50 00 00 ff ff 03 00 17 00 10 00 01 14 80 00 | 00 00 c8 32 00 ab 00 00 00 00 f8 | 02 00 d2 04 "
-              "ff ff"),
+      plc.request(
+          "50 00 00 ff ff 03 00 17 00 10 00 01 14 80 00 | 00 00 c8 32 00 ab 00 00 00 00 f8 | 02 00 d2 04 "
+          "ff ff"),
       "d0 00 00 ff ff 03 00 02 00 00 00");
   EXPECT_THAT(plc.module.writes, ElementsAre(Pair(13000U, 1234), Pair(13001U, 0xFFFF)));
 }
@@ -145,7 +146,7 @@ TEST(Melsec, DeviceThroughTheExtendedLayout_IsTheDevice) {
   Plc plc;
   plc.word(Device::d, 5, 0x0005);
   EXPECT_EQ(
-      plc.ask("50 00 00 ff ff 03 00 13 00 10 00 01 04 80 00 | 00 00 05 00 00 a8 00 00 00 00 00 | 01 00"),
+      plc.request("50 00 00 ff ff 03 00 13 00 10 00 01 04 80 00 | 00 00 05 00 00 a8 00 00 00 00 00 | 01 00"),
       "d0 00 00 ff ff 03 00 04 00 00 00 05 00");
 }
 
@@ -153,7 +154,7 @@ TEST(Melsec, ModuleBuffer0601_CountsInBytes) {
   Plc plc;
   plc.other_module.words[25] = 0x0280;
   plc.other_module.words[26] = 0x1234;
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0e 00 10 00 01 06 00 00 | 32 00 00 00 04 00 03 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0e 00 10 00 01 06 00 00 | 32 00 00 00 04 00 03 00"),
             "d0 00 00 ff ff 03 00 06 00 00 00 80 02 34 12");
   Plc ascii;
   ascii.other_module.words[25] = 0x0280;
@@ -164,7 +165,7 @@ TEST(Melsec, ModuleBuffer0601_CountsInBytes) {
 
 TEST(Melsec, ModuleBuffer1601_WritesWords) {
   Plc plc;
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 12 00 10 00 01 16 00 00 | 32 00 00 00 04 00 03 00 80 02 34 12"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 12 00 10 00 01 16 00 00 | 32 00 00 00 04 00 03 00 80 02 34 12"),
             "d0 00 00 ff ff 03 00 02 00 00 00");
   EXPECT_THAT(plc.other_module.writes, ElementsAre(Pair(25U, 0x0280), Pair(26U, 0x1234)));
 }
@@ -176,7 +177,7 @@ TEST(Melsec, RandomRead_AnswersWordsThenDoubleWords) {
   plc.word(Device::w, 11, 0x9ABC);
   plc.bit(Device::m, 3, true);
   EXPECT_EQ(
-      plc.ask("50 00 00 ff ff 03 00 14 00 10 00 03 04 00 00 | 02 01 64 00 00 a8 00 00 00 90 0a 00 00 b4"),
+      plc.request("50 00 00 ff ff 03 00 14 00 10 00 03 04 00 00 | 02 01 64 00 00 a8 00 00 00 90 0a 00 00 b4"),
       "d0 00 00 ff ff 03 00 0a 00 00 00 34 12 08 00 78 56 bc 9a");
   Plc ascii;
   ascii.word(Device::w, 10, 0x5678);
@@ -189,7 +190,7 @@ TEST(Melsec, RandomRead_AnswersWordsThenDoubleWords) {
 TEST(Melsec, RandomWriteWords_WritesWordsAndDoubleWords) {
   Plc plc;
   EXPECT_EQ(
-      plc.ask(
+      plc.request(
           "50 00 00 ff ff 03 00 16 00 10 00 02 14 00 00 | 01 01 64 00 00 a8 34 12 0a 00 00 b4 01 02 03 04"),
       "d0 00 00 ff ff 03 00 02 00 00 00");
   EXPECT_EQ(plc.word(Device::d, 100), 0x1234);
@@ -199,11 +200,11 @@ TEST(Melsec, RandomWriteWords_WritesWordsAndDoubleWords) {
 
 TEST(Melsec, RandomWriteBits_HasAByteOrInIqrAWordPerValue) {
   Plc plc;
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 11 00 10 00 02 14 01 00 | 02 31 00 00 9d 01 05 00 00 90 01"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 11 00 10 00 02 14 01 00 | 02 31 00 00 9d 01 05 00 00 90 01"),
             "d0 00 00 ff ff 03 00 02 00 00 00");
   EXPECT_THAT(plc.other_module.edges, ElementsAre(Pair(1U, true)));
   EXPECT_TRUE(plc.bit(Device::m, 5));
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0f 00 10 00 02 14 03 00 | 01 06 00 00 00 90 00 01 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0f 00 10 00 02 14 03 00 | 01 06 00 00 00 90 00 01 00"),
             "d0 00 00 ff ff 03 00 02 00 00 00");
   EXPECT_TRUE(plc.bit(Device::m, 6));
 }
@@ -211,36 +212,37 @@ TEST(Melsec, RandomWriteBits_HasAByteOrInIqrAWordPerValue) {
 TEST(Melsec, MultipleBlocks_WrittenAndRead) {
   Plc plc;
   EXPECT_EQ(
-      plc.ask(
+      plc.request(
           "50 00 00 ff ff 03 00 1a 00 10 00 06 14 00 00 | 01 01 | 64 00 00 a8 02 00 01 00 02 00 | 00 00 00 "
           "90 01 00 05 80"),
       "d0 00 00 ff ff 03 00 02 00 00 00");
   EXPECT_EQ(plc.word(Device::d, 101), 2);
   EXPECT_TRUE(plc.bit(Device::m, 15));
   EXPECT_EQ(
-      plc.ask("50 00 00 ff ff 03 00 14 00 10 00 06 04 00 00 | 01 01 | 64 00 00 a8 02 00 | 00 00 00 90 01 00"),
+      plc.request(
+          "50 00 00 ff ff 03 00 14 00 10 00 06 04 00 00 | 01 01 | 64 00 00 a8 02 00 | 00 00 00 90 01 00"),
       "d0 00 00 ff ff 03 00 08 00 00 00 01 00 02 00 05 80");
 }
 
 TEST(Melsec, Monitor_ReadsWhatWasRegistered) {
   Plc plc;
   plc.word(Device::d, 100, 0x1234);
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0c 00 10 00 01 08 00 00 | 01 00 64 00 00 a8"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0c 00 10 00 01 08 00 00 | 01 00 64 00 00 a8"),
             "d0 00 00 ff ff 03 00 02 00 00 00");
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 06 00 10 00 02 08 00 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 06 00 10 00 02 08 00 00"),
             "d0 00 00 ff ff 03 00 04 00 00 00 34 12");
 }
 
 TEST(Melsec, CpuModel_IsSixteenCharactersAndACode) {
   Plc plc;
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 06 00 10 00 01 01 00 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 06 00 10 00 01 01 00 00"),
             "d0 00 00 ff ff 03 00 14 00 00 00 52 30 34 43 50 55 20 20 20 20 20 20 20 20 20 20 00 48");
   EXPECT_EQ(Plc(q03udvcpu()).raw("500000FF03FF00000C001001010000"),
             "D00000FF03FF0000180000Q03UDVCPU       0366");
 }
 
 TEST(Melsec, Loopback_SendsItsTextBack) {
-  EXPECT_EQ(Plc{}.ask("50 00 00 ff ff 03 00 0d 00 10 00 19 06 00 00 | 05 00 41 42 43 44 45"),
+  EXPECT_EQ(Plc{}.request("50 00 00 ff ff 03 00 0d 00 10 00 19 06 00 00 | 05 00 41 42 43 44 45"),
             "d0 00 00 ff ff 03 00 09 00 00 00 05 00 41 42 43 44 45");
   EXPECT_EQ(Plc{}.raw("500000FF03FF000015001006190000"
                       "0005ABCDE"),
@@ -249,12 +251,12 @@ TEST(Melsec, Loopback_SendsItsTextBack) {
 
 TEST(Melsec, OwnBufferMemory_IsReadAndWrittenByWordAddress) {
   Plc plc;
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 10 00 10 00 13 16 00 00 | fe 07 00 00 02 00 34 12 cd ab"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 10 00 10 00 13 16 00 00 | fe 07 00 00 02 00 34 12 cd ab"),
             "d0 00 00 ff ff 03 00 02 00 00 00");
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | fd 07 00 00 03 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | fd 07 00 00 03 00"),
             "d0 00 00 ff ff 03 00 08 00 00 00 00 00 34 12 cd ab");
   plc.rack.power_on(plc.now);
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | fe 07 00 00 01 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | fe 07 00 00 01 00"),
             "d0 00 00 ff ff 03 00 04 00 00 00 00 00");
 }
 
@@ -271,7 +273,7 @@ TEST(Melsec, OwnBufferMemoryInAscii_HasTheHighDigitsFirst) {
 }
 
 TEST(Melsec, Loopback_TakesAnyBytes) {
-  EXPECT_EQ(Plc{}.ask("50 00 00 ff ff 03 00 0c 00 10 00 19 06 00 00 | 04 00 00 67 ff 20"),
+  EXPECT_EQ(Plc{}.request("50 00 00 ff ff 03 00 0c 00 10 00 19 06 00 00 | 04 00 00 67 ff 20"),
             "d0 00 00 ff ff 03 00 08 00 00 00 04 00 00 67 ff 20");
   EXPECT_EQ(Plc{}.raw("500000FF03FF000015001006190000"
                       "0005Hello"),
@@ -281,13 +283,13 @@ TEST(Melsec, Loopback_TakesAnyBytes) {
 TEST(Melsec, RemotePause_HoldsYAndShowsItself) {
   Plc plc;
   plc.bit(Device::y, 0x30, true);
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 08 00 10 00 03 10 00 00 | 01 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 08 00 10 00 03 10 00 00 | 01 00"),
             "d0 00 00 ff ff 03 00 02 00 00 00");
   EXPECT_TRUE(plc.bit(Device::y, 0x30));
   EXPECT_TRUE(plc.bit(Device::sm, 204));
   EXPECT_FALSE(plc.bit(Device::sm, 203));
   EXPECT_EQ(plc.word(Device::sd, 203), 0x0023);
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0a 00 10 00 01 10 00 00 | 01 00 00 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0a 00 10 00 01 10 00 00 | 01 00 00 00"),
             "d0 00 00 ff ff 03 00 02 00 00 00");
   EXPECT_FALSE(plc.bit(Device::sm, 204));
   EXPECT_EQ(plc.word(Device::sd, 203), 0x0000);
@@ -296,8 +298,8 @@ TEST(Melsec, RemotePause_HoldsYAndShowsItself) {
 TEST(Melsec, RemotePause_EndsWithStop) {
   Plc plc;
   plc.bit(Device::y, 0x30, true);
-  (void)plc.ask("50 00 00 ff ff 03 00 08 00 10 00 03 10 00 00 | 03 00");
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 08 00 10 00 02 10 00 00 | 01 00"),
+  (void)plc.request("50 00 00 ff ff 03 00 08 00 10 00 03 10 00 00 | 03 00");
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 08 00 10 00 02 10 00 00 | 01 00"),
             "d0 00 00 ff ff 03 00 02 00 00 00");
   EXPECT_FALSE(plc.bit(Device::y, 0x30));
   EXPECT_FALSE(plc.bit(Device::sm, 204));
@@ -307,7 +309,7 @@ TEST(Melsec, RemotePause_EndsWithStop) {
 TEST(Melsec, RemotePauseInStop_IsCompletedAndStaysStop) {
   Plc plc;
   plc.rack.set_cpu_state(module::CpuState::stop, plc.now);
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 08 00 10 00 03 10 00 00 | 03 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 08 00 10 00 03 10 00 00 | 03 00"),
             "d0 00 00 ff ff 03 00 02 00 00 00");
   EXPECT_EQ(plc.word(Device::sd, 203), 0x0022);
   EXPECT_FALSE(plc.bit(Device::sm, 204));
@@ -315,10 +317,10 @@ TEST(Melsec, RemotePauseInStop_IsCompletedAndStaysStop) {
 
 TEST(Melsec, RemoteStopAndRun_ChangeTheCpuState) {
   Plc plc;
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 08 00 10 00 02 10 00 00 | 01 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 08 00 10 00 02 10 00 00 | 01 00"),
             "d0 00 00 ff ff 03 00 02 00 00 00");
   EXPECT_EQ(plc.rack.cpu_state(), module::CpuState::stop);
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0a 00 10 00 01 10 00 00 | 03 00 00 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0a 00 10 00 01 10 00 00 | 03 00 00 00"),
             "d0 00 00 ff ff 03 00 02 00 00 00");
   EXPECT_EQ(plc.rack.cpu_state(), module::CpuState::run);
 }
@@ -328,7 +330,7 @@ TEST(Melsec, RemoteRun_ClearsDevicesWhenAsked) {
   plc.word(Device::d, 1, 5);
   plc.bit(Device::l, 1, true);
   plc.rack.set_cpu_state(module::CpuState::stop, plc.now);
-  (void)plc.ask("50 00 00 ff ff 03 00 0a 00 10 00 01 10 00 00 | 01 00 01 00");
+  (void)plc.request("50 00 00 ff ff 03 00 0a 00 10 00 01 10 00 00 | 01 00 01 00");
   EXPECT_EQ(plc.word(Device::d, 1), 0);
   EXPECT_TRUE(plc.bit(Device::l, 1));
 }
@@ -337,14 +339,15 @@ TEST(Melsec, RemoteLatchClear_InStop_ClearsL) {
   Plc plc;
   plc.bit(Device::l, 1, true);
   plc.rack.set_cpu_state(module::CpuState::stop, plc.now);
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 08 00 10 00 05 10 00 00 | 01 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 08 00 10 00 05 10 00 00 | 01 00"),
             "d0 00 00 ff ff 03 00 02 00 00 00");
   EXPECT_FALSE(plc.bit(Device::l, 1));
 }
 
 TEST(Melsec, EveryAccess_HappensAtTheTimeGiven) {
   Plc plc;
-  (void)plc.ask("50 00 00 ff ff 03 00 13 00 10 00 01 04 80 00 | 00 00 19 00 00 ab 00 00 00 00 f8 | 01 00");
+  (void)plc.request(
+      "50 00 00 ff ff 03 00 13 00 10 00 01 04 80 00 | 00 00 19 00 00 ab 00 00 00 00 f8 | 01 00");
   EXPECT_EQ(plc.module.last_time, plc.now);
 }
 

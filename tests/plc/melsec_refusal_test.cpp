@@ -15,7 +15,7 @@ using testing::Plc;
 
 /// The end code of a binary 3E reply, "c059".
 std::string end_code(Plc& plc, const std::string& request) {
-  const std::string reply = plc.ask(request);
+  const std::string reply = plc.request(request);
   return reply.size() < 32 ? reply : reply.substr(30, 2) + reply.substr(27, 2);
 }
 std::string end_code(const std::string& request) {
@@ -29,7 +29,7 @@ std::string ascii_end_code(const std::string& request) {
 }
 
 TEST(MelsecRefusal, EndCode_IsFollowedByRouteCommandAndSubcommand) {
-  EXPECT_EQ(Plc{}.ask("50 00 00 ff ff 03 00 0c 00 10 00 01 04 01 00 64 00 00 a8 01 00"),
+  EXPECT_EQ(Plc{}.request("50 00 00 ff ff 03 00 0c 00 10 00 01 04 01 00 64 00 00 a8 01 00"),
             "d0 00 00 ff ff 03 00 0b 00 5c c0 00 ff ff 03 00 01 04 01 00");
   EXPECT_EQ(Plc{}.raw("500000FF03FF000018001004010001D*0001000001"),
             "D00000FF03FF000016C05C00FF03FF0004010001");
@@ -229,17 +229,17 @@ TEST(MelsecRefusal, RemotePauseInAnUnknownMode_IsC05C) {
 
 TEST(MelsecRefusal, LatchClearInPause_Is4013) {
   Plc plc;
-  (void)plc.ask("50 00 00 ff ff 03 00 08 00 10 00 03 10 00 00 | 01 00");
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 08 00 10 00 05 10 00 00 | 01 00").substr(27, 5), "13 40");
+  (void)plc.request("50 00 00 ff ff 03 00 08 00 10 00 03 10 00 00 | 01 00");
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 08 00 10 00 05 10 00 00 | 01 00").substr(27, 5), "13 40");
 }
 
 TEST(MelsecRefusal, OwnBufferMemory_BeyondItsEnd_Is4041_AndNothingIsWritten) {
   Plc plc;
-  const auto code = [&](std::string_view request) { return plc.ask(request).substr(27, 5); };
+  const auto code = [&](std::string_view request) { return plc.request(request).substr(27, 5); };
   EXPECT_EQ(code("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | 00 08 00 00 01 00"), "41 40");
   EXPECT_EQ(code("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | ff ff ff ff 02 00"), "41 40");
   EXPECT_EQ(code("50 00 00 ff ff 03 00 10 00 10 00 13 16 00 00 | ff 07 00 00 02 00 34 12 cd ab"), "41 40");
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | ff 07 00 00 01 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | ff 07 00 00 01 00"),
             "d0 00 00 ff ff 03 00 04 00 00 00 00 00");
 }
 
@@ -254,18 +254,20 @@ TEST(MelsecRefusal, OwnBufferMemory_OutsideOf1To480Words_IsC052) {
 
 TEST(MelsecRefusal, OwnBufferMemory_OfAQCpu_IsC059) {
   Plc plc(q03udvcpu());
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | 00 00 00 00 01 00").substr(27, 5),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | 00 00 00 00 01 00").substr(27, 5),
             "59 c0");
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0e 00 10 00 13 16 00 00 | 00 00 00 00 01 00 34 12").substr(27, 5),
-            "59 c0");
+  EXPECT_EQ(
+      plc.request("50 00 00 ff ff 03 00 0e 00 10 00 13 16 00 00 | 00 00 00 00 01 00 34 12").substr(27, 5),
+      "59 c0");
 }
 
 TEST(MelsecRefusal, RequestAfterARefusedOne_IsAnsweredAsUsual) {
   Plc plc;
   EXPECT_EQ(
-      plc.ask("50 00 00 ff ff 03 00 06 00 10 00 99 99 00 00 | 50 00 00 ff ff 03 00 0c 00 10 00 01 04 00 00 "
-              "64 00 00 "
-              "a8 01 00"),
+      plc.request(
+          "50 00 00 ff ff 03 00 06 00 10 00 99 99 00 00 | 50 00 00 ff ff 03 00 0c 00 10 00 01 04 00 00 "
+          "64 00 00 "
+          "a8 01 00"),
       "d0 00 00 ff ff 03 00 0b 00 59 c0 00 ff ff 03 00 99 99 00 00 d0 00 00 ff ff 03 00 04 00 00 00 00 00");
 }
 

@@ -145,7 +145,7 @@ TEST(MelsecSession, OtherDataCodeLater_EndsTheSession) {
 
 TEST(MelsecSession, LengthThatNoRequestHas_IsRefusedAndEndsTheSession) {
   Plc plc;
-  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 01 18 10 00"),
+  EXPECT_EQ(plc.request("50 00 00 ff ff 03 00 01 18 10 00"),
             "d0 00 00 ff ff 03 00 0b 00 61 c0 00 ff ff 03 00 00 00 00 00");
   EXPECT_TRUE(plc.session->over());
 }

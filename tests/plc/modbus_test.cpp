@@ -13,19 +13,19 @@ TEST(Modbus, Header_IsThatOfTheRequest) {
 }
 
 TEST(Modbus, HasRequest_FromTheLastByteOfARequestOn_OrWhereThereIsNoHeader) {
-  const auto take = [](ModbusPlc& plc, const std::string& received) {
+  const auto receive = [](ModbusPlc& plc, const std::string& received) {
     std::ranges::copy(received, plc.modbus->space().begin());
     plc.modbus->received(received.size());
   };
   ModbusPlc plc;
   for (const char byte : bytes("ab cd 00 00 00 06 07 03 00 00 00 01")) {
     EXPECT_FALSE(plc.modbus->has_request());
-    take(plc, std::string(1, byte));
+    receive(plc, std::string(1, byte));
   }
   EXPECT_TRUE(plc.modbus->has_request());
   EXPECT_EQ(plc.modbus->process(plc.now), 1U);
   EXPECT_FALSE(plc.modbus->has_request());
-  take(plc, bytes("ab cd 00 01 00 06"));
+  receive(plc, bytes("ab cd 00 01 00 06"));
   EXPECT_TRUE(plc.modbus->has_request());
   EXPECT_EQ(plc.modbus->process(plc.now), 0U);
   EXPECT_FALSE(plc.modbus->has_request()) << "it is over";

@@ -25,7 +25,7 @@ struct Plc1e : Plc {
 };
 
 /// One request, binary, to a CPU of its own.
-inline std::string ask(const std::string& request) { return Plc1e{}.ask(request); }
-inline std::string ask_ascii(const std::string& request) { return Plc1e{}.raw(request); }
+inline std::string request(const std::string& request) { return Plc1e{}.request(request); }
+inline std::string request_ascii(const std::string& request) { return Plc1e{}.raw(request); }
 
 }  // namespace canopus::plc

@@ -150,7 +150,7 @@ const CpuModel& fx3u() noexcept { return model_fx3u; }
 const CpuModel& fx5u() noexcept { return model_fx5u; }
 const CpuModel& as300() noexcept { return model_as300; }
 
-const CpuModel& usual_model(CpuFamily family) noexcept {
+const CpuModel& default_model(CpuFamily family) noexcept {
   switch (family) {
     case CpuFamily::q: return model_q03udv;
     case CpuFamily::iqr: return model_r04;

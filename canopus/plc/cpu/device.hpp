@@ -124,7 +124,7 @@ struct CpuModel {
 /// AS300: X Y 1024 (X0.0 to X63.15 as 0 to 1023), M 8192, S 2048, T C 512, HC 256, D 30000, SR 2048.
 [[nodiscard]] const CpuModel& as300() noexcept;
 /// The default model of a family.
-[[nodiscard]] const CpuModel& usual_model(CpuFamily family) noexcept;
+[[nodiscard]] const CpuModel& default_model(CpuFamily family) noexcept;
 /// The names of all models.
 [[nodiscard]] std::span<const std::string_view> cpu_model_names() noexcept;
 /// By the name of command 0101, or nullptr.

@@ -19,10 +19,6 @@ class DeviceWords {
     size_ = words;
     pages_.resize((words + page_words - 1) / page_words);
   }
-  /// Takes all memory now: no write allocates.
-  void take_memory() {
-    for (auto& page : pages_) page = std::make_unique<Page>();
-  }
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
 
   /// Below size(), as all numbers here.
@@ -31,6 +27,13 @@ class DeviceWords {
     return page == nullptr ? std::uint16_t{0} : (*page)[number % page_words];
   }
   void set(std::size_t number, std::uint16_t word) { write(number, {&word, 1}); }
+  /// `count` words in a row, at a place that stays; takes their memory. nullptr: they are of two pages.
+  [[nodiscard]] std::uint16_t* at(std::size_t first, std::size_t count) {
+    if (first % page_words + count > page_words) return nullptr;
+    std::unique_ptr<Page>& page = pages_[first / page_words];
+    if (page == nullptr) page = std::make_unique<Page>();
+    return page->data() + first % page_words;
+  }
   void read(std::size_t first, std::span<std::uint16_t> words) const noexcept {
     each_piece(first, words, [this](std::size_t number, std::size_t begin, std::span<std::uint16_t> piece) {
       const Page* const page = pages_[number].get();

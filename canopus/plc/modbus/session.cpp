@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "canopus/plc/modbus/rtu_frame.hpp"
+
 namespace canopus::plc::modbus {
 
 namespace {
@@ -15,12 +17,29 @@ constexpr std::uint8_t unit_broadcast = 0x00;
 
 }  // namespace
 
-Session::Head Session::head_of(std::span<const std::uint8_t> waiting) noexcept {
+Session::Head Session::head_of(std::span<const std::uint8_t> waiting) const noexcept {
+  if (settings_.framing == Framing::rtu) {
+    const RtuSize size = rtu_request_size(waiting);
+    if (!size.is_known) return {.is_complete = size.is_none, .size = 0};
+    if (waiting.size() < size.bytes) return {.is_complete = false, .size = size.bytes};
+    return {.is_complete = true, .size = has_good_crc(waiting.first(size.bytes)) ? size.bytes : 0};
+  }
+  // A client that begins with RTU frames would be waited for, as their numbers pass for a header.
+  if (!has_answered_ && is_rtu_request(waiting)) return {.is_complete = true, .size = 0};
   if (waiting.size() < fixed_size) return {};
   const unsigned protocol = word_at(waiting, 2);
   const std::size_t length = word_at(waiting, 4);
   if (protocol != 0 || length < 2 || length > 1 + maximum_pdu) return {.is_complete = true, .size = 0};
   return {.is_complete = waiting.size() >= fixed_size + length, .size = fixed_size + length};
+}
+
+std::string_view Session::refusal_of(std::span<const std::uint8_t> waiting) const noexcept {
+  if (settings_.framing == Framing::rtu)
+    return "sent no RTU frame with a good CRC: this port has framing = \"rtu\", clients of Modbus TCP need "
+           "another";
+  if (!has_answered_ && is_rtu_request(waiting))
+    return "sent Modbus RTU, whose frames have no MBAP header: that takes a port with framing = \"rtu\"";
+  return {};
 }
 
 bool Session::has_request() const noexcept {
@@ -36,8 +55,10 @@ std::size_t Session::process(can::Time now) {
     if (!head.is_complete) break;
     if (head.size == 0) {
       over_ = true;
+      refusal_ = refusal_of(waiting);
       break;
     }
+    has_answered_ = true;
     answer(waiting.first(head.size), now);
     ++answered;
     used += head.size;
@@ -49,6 +70,26 @@ std::size_t Session::process(can::Time now) {
 }
 
 void Session::answer(std::span<const std::uint8_t> frame, can::Time now) {
+  return settings_.framing == Framing::rtu ? answer_rtu(frame, now) : answer_mbap(frame, now);
+}
+
+void Session::answer_rtu(std::span<const std::uint8_t> frame, can::Time now) {
+  constexpr std::size_t crc_size = 2;
+  const std::uint8_t unit = frame[0];
+  if (settings_.unit && unit != *settings_.unit && unit != unit_broadcast) return;
+  const std::span<std::uint8_t> out = std::span(output_).subspan(output_size_, maximum_frame);
+  out[0] = unit;
+  const auto pdu = out.subspan<1, maximum_pdu>();
+  const auto request = frame.subspan(1, frame.size() - 1 - crc_size);
+  const std::size_t size = 1 + functions_.execute(request, pdu, permission_, now);
+  if (unit == unit_broadcast) return;
+  const std::uint16_t crc = rtu_crc(out.first(size));
+  out[size] = static_cast<std::uint8_t>(crc);
+  out[size + 1] = static_cast<std::uint8_t>(crc >> 8U);
+  output_size_ += size + crc_size;
+}
+
+void Session::answer_mbap(std::span<const std::uint8_t> frame, can::Time now) {
   const std::span<std::uint8_t> out = std::span(output_).subspan(output_size_, maximum_frame);
   std::ranges::copy(frame.first(header_size), out.begin());
   const auto pdu = out.subspan<header_size, maximum_pdu>();

@@ -7,11 +7,19 @@
 // All numbers high byte first; the reply carries the request's transaction and unit. Requests may be sent one behind
 // the other, the replies come in order. A header that is none makes the rest of the stream unreadable: the
 // session is over() then. [Modbus Messaging on TCP/IP V1.0b 3.1]
+//
+// With Framing::rtu the frames are those of a serial line [Modbus over Serial Line V1.02 2.5.1]:
+//
+//   unit identifier 1 | function 1 | data | CRC 2, low byte first
+//
+// There are no pauses between frames, so that a request ends where its function says. Unit 0 (all) is carried out without a
+// reply, another unit than the port's is ignored.
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 #include "canopus/plc/modbus/functions.hpp"
 
@@ -39,6 +47,8 @@ class Session {
 
   /// The stream cannot be read any further.
   [[nodiscard]] bool over() const noexcept { return over_; }
+  /// Why it is over, for a report; empty: it is no request at all.
+  [[nodiscard]] std::string_view refusal() const noexcept { return refusal_; }
   /// A request has begun but is not complete.
   [[nodiscard]] bool half_request() const noexcept { return input_size_ != 0 && !over_; }
 
@@ -53,14 +63,19 @@ class Session {
     bool is_complete = false;
     std::size_t size = 0;
   };
-  [[nodiscard]] static Head head_of(std::span<const std::uint8_t> waiting) noexcept;
+  [[nodiscard]] Head head_of(std::span<const std::uint8_t> waiting) const noexcept;
+  [[nodiscard]] std::string_view refusal_of(std::span<const std::uint8_t> waiting) const noexcept;
   /// `frame`: a whole request. The reply goes behind what is in output_.
   void answer(std::span<const std::uint8_t> frame, can::Time now);
+  void answer_mbap(std::span<const std::uint8_t> frame, can::Time now);
+  void answer_rtu(std::span<const std::uint8_t> frame, can::Time now);
 
   const Settings& settings_;
   WritePermission permission_;
   Functions functions_;
   bool over_ = false;
+  bool has_answered_ = false;  // a request of the port's framing has come
+  std::string_view refusal_{};
   std::size_t input_size_ = 0;
   std::size_t output_size_ = 0;
   std::size_t output_sent_ = 0;

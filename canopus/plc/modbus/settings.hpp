@@ -31,12 +31,19 @@ struct Identification {
   std::array<std::string, object_count> objects{};
 };
 
+/// What is around function code and data on a TCP connection.
+enum class Framing : std::uint8_t {
+  mbap,  ///< the header of Modbus TCP
+  rtu    ///< unit and CRC, as on a serial line: what converters and some clients send over TCP
+};
+
 /// The settings of a port.
 struct Settings {
   Map map{};
   Limits limits{};
   Identification identification{};
   WritePermission write = WritePermission::always;
+  Framing framing = Framing::mbap;
   /// The unit identifier it answers to, besides 0 and 255, which address the server of the port itself. None:
   /// any.
   std::optional<std::uint8_t> unit{};

@@ -90,13 +90,13 @@ void BuiltInProgram::begin(can::Time now) {
   next_request_ = now + interval_;
 }
 
-void BuiltInProgram::look(can::Time now) {
+void BuiltInProgram::update(can::Time now) {
   if (!is_running_) return;
   if (has_set_up()) set_up(now);
   if (exchange_ != Exchange::requested) return;
   const module::ProgramRequest& exchange = interface_.exchange;
   if (exchange.kind == Kind::signal) {
-    if (task_.recover && !is_ready(now)) take_exchange_back(now);
+    if (task_.recover && !is_ready(now)) withdraw_exchange(now);
   } else if (!is_initializing(now) && (exchange.kind == Kind::write || !bits_are_set(exchange, now))) {
     exchange_done(now);
   }
@@ -104,7 +104,7 @@ void BuiltInProgram::look(can::Time now) {
 
 void BuiltInProgram::tick(can::Time now) {
   if (next_scan_ <= now) scan(now);
-  if (answer_due_ <= now) take_exchange_back(now);
+  if (answer_due_ <= now) withdraw_exchange(now);
   if (next_request_ > now) return;
   switch (exchange_) {
     case Exchange::requested: return;
@@ -186,7 +186,7 @@ void BuiltInProgram::exchange_done(can::Time now) {
   next_request_ = std::max(requested_at_ + interval_, now + std::chrono::milliseconds(1));
 }
 
-void BuiltInProgram::take_exchange_back(can::Time now) {
+void BuiltInProgram::withdraw_exchange(can::Time now) {
   if (interface_.exchange.kind == Kind::signal) set_output(interface_.exchange.signal, false, now);
   exchange_done(now);
   next_request_ = now + std::min(scan_time, interval_);
@@ -222,7 +222,7 @@ void BuiltInProgram::set_up(can::Time now) {
   if (task_.online) set_online(true, now);
 }
 
-// The look() that follows is part of it.
+// The update() that follows is part of it.
 void BuiltInProgram::scan(can::Time now) {
   if (node_start_ != NodeStart::none) start_own_node(now);
   const bool goes_on = node_start_ != NodeStart::none || (has_set_up() && !interface_.ready);

@@ -52,8 +52,8 @@ class BuiltInProgram {
   /// PAUSE: the program stops, Y keep their state; afterwards it continues at the same point.
   void cpu_paused(bool paused, can::Time now);
   /// Call it after each event that may have changed the module.
-  void look(can::Time now);
-  /// Executes what is due. The caller calls look() next.
+  void update(can::Time now);
+  /// Executes what is due. The caller calls update() next.
   void tick(can::Time now);
   [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
 
@@ -81,7 +81,7 @@ class BuiltInProgram {
   void set_output(unsigned signal, bool on, can::Time now);
   void request_exchange(can::Time now);
   void exchange_done(can::Time now);
-  void take_exchange_back(can::Time now);
+  void withdraw_exchange(can::Time now);
   void set_online(bool on, can::Time now);
   void set_up(can::Time now);
   void scan(can::Time now);

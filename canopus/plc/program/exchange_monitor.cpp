@@ -11,7 +11,7 @@ namespace {
 
 using Kind = module::ProgramRequest::Kind;
 
-constexpr can::Duration look_again = std::chrono::milliseconds(100);
+constexpr can::Duration check_again = std::chrono::milliseconds(100);
 
 /// "X01"
 std::string signal_name(char kind, unsigned number) { return kind + ascii::hex(number, 2); }
@@ -55,7 +55,7 @@ void ExchangeMonitor::buffer_written(module::BufferAddress address, std::uint16_
 
 void ExchangeMonitor::forget() noexcept {
   is_open_ = has_initialized_ = was_taken_back_ = was_reported_ = false;
-  look_at_ = can::never;
+  alarm_ = can::never;
 }
 
 void ExchangeMonitor::requested(can::Time now) {
@@ -64,7 +64,7 @@ void ExchangeMonitor::requested(can::Time now) {
   is_open_ = true;
   has_initialized_ = is_initializing(now);
   since_ = now;
-  look_at_ = now + patience;
+  alarm_ = now + patience;
 }
 
 void ExchangeMonitor::answered(can::Time now) {
@@ -80,17 +80,17 @@ void ExchangeMonitor::answered(can::Time now) {
   forget();
 }
 
-void ExchangeMonitor::look(can::Time now) {
+void ExchangeMonitor::update(can::Time now) {
   const module::ProgramRequest& exchange = interface_.exchange;
   if (!is_open_ || exchange.kind != Kind::bits || is_initializing(now)) return;
   if ((words_->peek(exchange.word, now) & exchange.bits) == 0) answered(now);
 }
 
 void ExchangeMonitor::tick(can::Time now) {
-  if (look_at_ > now) return;
-  look_at_ = now + look_again;
+  if (alarm_ > now) return;
+  alarm_ = now + check_again;
   if (is_initializing(now)) return;
-  look_at_ = can::never;  // its answer was received
+  alarm_ = can::never;  // its answer was received
   was_reported_ = true;
   report_ = described(now);
 }
@@ -101,18 +101,18 @@ std::string ExchangeMonitor::trouble(can::Time now) const {
 
 std::string ExchangeMonitor::described(can::Time now) const {
   const module::ProgramRequest& exchange = interface_.exchange;
-  std::string text = "process data are not exchanged: ";
+  std::string text = "no process data exchange: ";
   if (exchange.kind == Kind::signal) {
     const std::string x = signal_name('X', head_ + exchange.signal);
     const std::string y = signal_name('Y', head_ + exchange.signal);
     text += x + " has not come for " + shown(now - since_);
     if (has_initialized_) text += ", because " + y + " was set while the module initialized";
-    return text + ". The way back: " + y + " OFF and ON again";
+    return text + ". To recover, set " + y + " OFF and ON again";
   }
   text +=
-      "the request in word " + std::to_string(exchange.word) + " has no answer for " + shown(now - since_);
-  if (has_initialized_) text += ", because it came while the module initialized";
-  return text + ". The way back: write it again";
+      "the module has not acknowledged BFM #" + std::to_string(exchange.word) + " for " + shown(now - since_);
+  if (has_initialized_) text += ", because it was written while the module initialized";
+  return text + ". To recover, write BFM #" + std::to_string(exchange.word) + " again";
 }
 
 bool ExchangeMonitor::is_initializing(can::Time now) const {

@@ -30,12 +30,12 @@ class ExchangeMonitor {
   void forget() noexcept;
 
   /// Call it after each event that may have changed the module.
-  void look(can::Time now);
+  void update(can::Time now);
   void tick(can::Time now);
-  [[nodiscard]] can::Alarm& alarm() noexcept { return look_at_; }
+  [[nodiscard]] can::Alarm& alarm() noexcept { return alarm_; }
 
   /// Something to report since the last call: one line for a person.
-  [[nodiscard]] std::optional<std::string> take_report() { return std::exchange(report_, std::nullopt); }
+  [[nodiscard]] std::optional<std::string> next_report() { return std::exchange(report_, std::nullopt); }
   /// The present fault as a text for the user, once it was reported; empty: none.
   [[nodiscard]] std::string trouble(can::Time now) const;
 
@@ -49,7 +49,7 @@ class ExchangeMonitor {
   const module::ProgramInterface& interface_;
   unsigned head_;
   can::Time since_{};  // of the first request that has no answer
-  can::Alarm look_at_;
+  can::Alarm alarm_;
   bool is_open_ = false;
   bool has_initialized_ = false;  // when the request came, or was taken back
   bool was_taken_back_ = false;

@@ -23,19 +23,20 @@ Device stored_as(Device device) { return device == Device::r ? Device::zr : devi
 
 Rack::Rack(can::Timeline& timeline, const CpuModel& model, std::optional<can::Duration> scan)
     : model_(model), refreshes_by_scan_(scan.has_value()) {
-  condition_.scan = Scan(scan.value_or(Scan::usual_period));
+  condition_.scan = Scan(scan.value_or(Scan::default_period));
   condition_.clock = std::chrono::local_days{std::chrono::year{2000} / std::chrono::January / 1};
   slot_of_block_.fill(empty);
   for (std::size_t device = 0; device < device_count; ++device) {
     if (device == index(Device::r)) continue;
     std::uint32_t points = model.end_of(static_cast<Device>(device));
     if (device == index(Device::zr)) points = std::max(points, model.points_of(Device::r));
-    const bool bits = is_bit(static_cast<Device>(device));
-    memory_[device].resize(bits ? (points + 15) / 16 : points);
-    if (bits) memory_[device].take_memory();  // a signal of a program allocates nothing
+    if (is_bit(static_cast<Device>(device)))
+      bits_[device].resize(points);
+    else
+      words_[device].resize(points);
   }
   own_buffer_.resize(model.buffer_words);
-  outputs_before_stop_.resize(memory_[index(Device::y)].size());
+  outputs_before_stop_.resize(bits_of(Device::y).size());
   if (scan) timeline.add(*this, "scans of a CPU");
 }
 
@@ -71,22 +72,25 @@ std::vector<Rack::ProductListRow> Rack::product_list() const {
 }
 
 void Rack::power_on(can::Time now, CpuState state) {
-  for (DeviceWords& words : memory_) words.clear();
+  for (DeviceWords& words : words_) words.clear();
+  for (DeviceBits& bits : bits_) bits.clear();
   std::ranges::fill(own_buffer_, std::uint16_t{0});
-  std::ranges::fill(outputs_before_stop_, std::uint16_t{0});
+  std::ranges::fill(outputs_before_stop_, std::uint8_t{0});
   on_ = true;
   condition_.state = state;
   condition_.stop_cause = StopCause::by_switch;
   condition_.is_paused = false;
+  condition_.error.reset();
   condition_.scan.start(now);
   if (state == CpuState::run) condition_.scan.run(now);
   alarm() = refreshes_by_scan_ ? condition_.scan.end_of(1, now) : can::never;
   for (const Slot& slot : slots_) {
     slot.module->power_on(now);
   }
-  tell_cpu_state(now);
+  notify_cpu_state(now);
   for (RackListener* listener : listeners_) listener->supply_changed(true, now);
   for (Slot& slot : slots_) slot.inputs = inputs_of(slot);
+  begin_scan(now);
 }
 
 void Rack::power_off(can::Time now) {
@@ -114,25 +118,44 @@ void Rack::tick(can::Time now) {
       if (number < model_.points_of(Device::y)) output_to_module(number, output(number), now);
     }
   }
+  begin_scan(now);
+}
+
+void Rack::begin_scan(can::Time now) {
+  if (!refreshes_by_scan_ || !on_ || condition_.state != CpuState::run || condition_.is_paused) return;
+  for (RackListener* listener : listeners_) listener->scan_begins(now);
 }
 
 std::uint32_t Rack::inputs_of(const Slot& slot) const noexcept {
   return on_ && slot.signals != nullptr ? slot.signals->inputs() : 0;
 }
 
-bool Rack::output(std::uint32_t number) const noexcept {
-  return (memory_[index(Device::y)][number / 16] >> (number % 16) & 1U) != 0;
+Rack::Access Rack::refresh(Device device, std::uint32_t first, std::uint32_t count, can::Time now) {
+  if (Access refused = check(device, first, count); !refused) return refused;
+  for (Slot& slot : slots_) {
+    if (slot.signals == nullptr) continue;
+    const std::uint32_t inputs = inputs_of(slot);
+    for (std::uint32_t signal = 0; signal < std::min(slot.module->points(), 32U); ++signal) {
+      const std::uint32_t number = slot.head + signal;
+      if (number < first || number - first >= count) continue;
+      const std::uint32_t mask = 1U << signal;
+      if (device == Device::x) slot.inputs = (slot.inputs & ~mask) | (inputs & mask);
+      if (device == Device::y) output_to_module(number, output(number), now);
+    }
+  }
+  return {};
 }
 
+bool Rack::output(std::uint32_t number) const noexcept { return bits_of(Device::y)[number]; }
+
 void Rack::set_output(std::uint32_t number, bool on, can::Time now) {
-  DeviceWords& outputs = memory_[index(Device::y)];
-  outputs.set(number / 16, module::with_bit(outputs[number / 16], number % 16, on));
+  bits_of(Device::y).set(number, on);
   output_to_module(number, on, now);
 }
 
 void Rack::set_cpu_state(CpuState state, can::Time now) {
   if (std::exchange(condition_.is_paused, false) && state == CpuState::run) {
-    condition_.scan.go_on(now);
+    condition_.scan.resume(now);
     for (RackListener* listener : listeners_) listener->cpu_paused(false, now);
   }
   if (state == condition_.state) return;
@@ -140,17 +163,19 @@ void Rack::set_cpu_state(CpuState state, can::Time now) {
   condition_.stop_cause = StopCause::remote;
   if (state == CpuState::stop) {
     condition_.scan.stop(now);
-    memory_[index(Device::y)].read(0, outputs_before_stop_);
-    tell_cpu_state(now);
+    outputs_before_stop_ = bits_of(Device::y).all();
+    notify_cpu_state(now);
     for (std::uint32_t number = 0; number < model_.points_of(Device::y); ++number)
       if (output(number)) set_output(number, false, now);
   } else {
+    condition_.error.reset();
     condition_.scan.run(now);
-    tell_cpu_state(now);
+    notify_cpu_state(now);
     for (std::uint32_t number = 0; number < model_.points_of(Device::y); ++number)
-      set_output(number, (outputs_before_stop_[number / 16] >> (number % 16) & 1U) != 0, now);
+      set_output(number, outputs_before_stop_[number] != 0, now);
   }
   for (RackListener* listener : listeners_) listener->cpu_changed(state, now);
+  if (state == CpuState::run) begin_scan(now);
 }
 
 void Rack::pause(can::Time now) {
@@ -159,13 +184,15 @@ void Rack::pause(can::Time now) {
   for (RackListener* listener : listeners_) listener->cpu_paused(true, now);
 }
 
-void Rack::fail_cpu(can::Time now) {
+void Rack::fail_cpu(can::Time now, CpuError error) {
   if (!on_) return;
   for (const Slot& slot : slots_) {
     slot.module->cpu_failed(now);
   }
   set_cpu_state(CpuState::stop, now);
   condition_.stop_cause = StopCause::error;
+  error.time = now;
+  condition_.error = error;
 }
 
 void Rack::reset_cpu(can::Time now) {
@@ -178,7 +205,7 @@ void Rack::reset_cpu(can::Time now) {
   power_on(now, state);
 }
 
-void Rack::tell_cpu_state(can::Time now) {
+void Rack::notify_cpu_state(can::Time now) {
   for (const Slot& slot : slots_) {
     slot.module->cpu_changed(condition_.state, now);
   }
@@ -187,19 +214,19 @@ void Rack::tell_cpu_state(can::Time now) {
 void Rack::clear_devices(bool latched, can::Time now) {
   for (std::uint32_t number = 0; number < model_.points_of(Device::y); ++number)
     set_output(number, false, now);
-  std::ranges::fill(outputs_before_stop_, std::uint16_t{0});
+  std::ranges::fill(outputs_before_stop_, std::uint8_t{0});
   for (std::size_t number = 0; number < device_count; ++number) {
     const auto device = static_cast<Device>(number);
     if (device == Device::sm || device == Device::sd || device == Device::zr || device == Device::z) continue;
     if (device == Device::hg) continue;  // buffer memory
     if (device == Device::l && !latched) continue;
     const std::uint32_t points = model_.points_of(device);  // special ones stay
-    const std::size_t words = is_bit(device) ? (points + 15) / 16 : points;
-    memory_[number].clear(std::min(words, memory_[number].size()));
+    bits_[number].clear(points);
+    words_[number].clear(std::min<std::size_t>(points, words_[number].size()));
   }
 }
 
-void Rack::clear_latched() noexcept { memory_[index(Device::l)].clear(); }
+void Rack::clear_latched() noexcept { bits_of(Device::l).clear(); }
 
 void Rack::set_clock(std::chrono::local_seconds clock, can::Time now) noexcept {
   condition_.clock = clock;
@@ -217,7 +244,7 @@ Rack::Access Rack::read_words(Device device, std::uint32_t first, std::span<std:
   const auto count = static_cast<std::uint32_t>(words.size());
   if (!is_bit(device)) {
     if (Access access = check(device, first, count); !access) return access;
-    memory(device).read(first, words);
+    words_of(device).read(first, words);
     if (device == model_.special_register()) {
       for (std::uint32_t i = 0; i < count; ++i)
         words[i] = special_register(model_, condition_, first + i, now).value_or(words[i]);
@@ -247,7 +274,7 @@ Rack::Access Rack::write_words(Device device, std::uint32_t first, std::span<con
   const auto count = static_cast<std::uint32_t>(words.size());
   if (!is_bit(device)) {
     if (Access access = check(device, first, count); !access) return access;
-    memory(device).write(first, words);
+    words_of(device).write(first, words);
     write_registers(device, first, words, now);
     return {};
   }
@@ -287,23 +314,43 @@ const Rack::Slot* Rack::slot_of_point(std::uint32_t point) const noexcept {
   return number == empty ? nullptr : &slots_[number];
 }
 
-DeviceWords& Rack::memory(Device device) noexcept { return memory_[index(stored_as(device))]; }
+DeviceWords& Rack::words_of(Device device) noexcept { return words_[index(stored_as(device))]; }
+
+bool Rack::is_module_input(Device device, std::uint32_t number) const noexcept {
+  return device == Device::x && family_info(model_.family).modules_have_points &&
+         slot_of_point(number) != nullptr;
+}
+
+std::uint8_t* Rack::bit_in_memory(Device device, std::uint32_t number) noexcept {
+  if (!is_bit(device) || !check(device, number, 1) || is_module_input(device, number)) return nullptr;
+  if (device == Device::y && !refreshes_by_scan_) return nullptr;  // a write is a signal at once
+  // Special relays, which an FX3 has behind its other M.
+  if (device == model_.special_relay() && (device != Device::m || number >= model_.points_of(device)))
+    return nullptr;
+  return &bits_of(device).at(number);
+}
+
+std::uint16_t* Rack::words_in_memory(Device device, std::uint32_t first, std::uint32_t count) {
+  if (is_bit(device) || !check(device, first, count) || is_module_register(device, first, count))
+    return nullptr;
+  if (device == model_.special_register() && (device != Device::d || first >= model_.points_of(device)))
+    return nullptr;
+  return words_of(device).at(first, count);
+}
 
 std::uint16_t Rack::bit_block(Device device, std::uint32_t block, can::Time now) {
-  if (device == Device::x && family_info(model_.family).modules_have_points) {
-    if (const Slot* slot = slot_of_point(16 * block); slot != nullptr) {
-      const std::uint32_t shift = 16 * block - slot->head;  // a module has at most 32 signals
-      if (shift >= 32) return 0;
-      return static_cast<std::uint16_t>((refreshes_by_scan_ ? slot->inputs : inputs_of(*slot)) >> shift);
-    }
+  if (is_module_input(device, 16 * block)) {
+    const Slot& slot = *slot_of_point(16 * block);
+    const std::uint32_t shift = 16 * block - slot.head;  // a module has at most 32 signals
+    if (shift >= 32) return 0;
+    return static_cast<std::uint16_t>((refreshes_by_scan_ ? slot.inputs : inputs_of(slot)) >> shift);
   }
-  const std::uint16_t word = memory_[index(device)][block];
+  const std::uint16_t word = bits_of(device).block(block);
   return device == model_.special_relay() ? special_relays(model_, condition_, block, word, now) : word;
 }
 
 void Rack::write_bit(Device device, std::uint32_t number, bool on, can::Time now) {
-  DeviceWords& words = memory_[index(device)];
-  words.set(number / 16, module::with_bit(words[number / 16], number % 16, on));
+  bits_of(device).set(number, on);
   if (device == Device::y && !refreshes_by_scan_) output_to_module(number, on, now);
 }
 

@@ -2,7 +2,7 @@
 // The PLC around the modules: a rack with slots, the CPU's devices (X Y M D W R SM SD ...) and its RUN/STOP
 // state. One Rack lives on one event loop; every access is a direct call.
 //
-// There is no PLC program: clients that access the rack act as one. X is the modules' state at this moment, a
+// Without a PLC program (execution/program_execution.hpp) clients that access the rack act as one. X is the modules' state at this moment, a
 // written Y is a signal edge at once, and everything else is memory. With a scan of its own, X and Y are
 // refreshed between two scans, as by a CPU: X stays what it was then, and a written Y reaches its module
 // then. Clients are answered between the two (end_processing.hpp), so all that they see is of that moment. A
@@ -26,6 +26,7 @@
 #include "canopus/module/interface/data_sheet.hpp"
 #include "canopus/module/interface/module_types.hpp"
 #include "canopus/plc/cpu/device.hpp"
+#include "canopus/plc/cpu/device_bits.hpp"
 #include "canopus/plc/cpu/device_words.hpp"
 #include "canopus/plc/rack/end_processing.hpp"
 #include "canopus/plc/rack/special_devices.hpp"
@@ -59,6 +60,8 @@ class RackListener {
   virtual void cpu_paused(bool /*paused*/, can::Time /*now*/) {}
   /// A scan of the rack's own ends, in STOP, too: X are not yet refreshed, clients not yet answered.
   virtual void scan_ended(can::Time /*now*/) {}
+  /// In RUN, a scan of the rack's own begins: X and Y have been refreshed, and it is the program's turn.
+  virtual void scan_begins(can::Time /*now*/) {}
 
  protected:
   ~RackListener() = default;
@@ -99,6 +102,8 @@ class Rack final : private can::Ticker {
   void power_on(can::Time now, module::CpuState state = module::CpuState::run);
   void power_off(can::Time now);
 
+  /// It has supply.
+  [[nodiscard]] bool is_on() const noexcept { return on_; }
   [[nodiscard]] module::CpuState cpu_state() const noexcept { return condition_.state; }
   /// Remote RUN/STOP. RUN to STOP turns all Y off, STOP to RUN restores them as they were before the STOP
   /// ("previous state", the default of the CPU parameter). Every module is notified.
@@ -118,8 +123,10 @@ class Rack final : private can::Ticker {
   }
   [[nodiscard]] EndProcessing& end_processing() noexcept { return end_processing_; }
   /// The CPU finds an error and stops: every module is notified, then as RUN to STOP. RUN again is possible at
-  /// once.
-  void fail_cpu(can::Time now);
+  /// once, and clears the error, as the supply does.
+  void fail_cpu(can::Time now, CpuError error = {});
+  /// The error that has stopped the CPU; none: it has not been stopped by one.
+  [[nodiscard]] const std::optional<CpuError>& cpu_error() const noexcept { return condition_.error; }
   /// Like the RESET switch: clears devices and restarts all modules.
   void reset_cpu(can::Time now);
   /// The clear modes of remote RUN: all devices but L (`latched` = false) or with L. SM SD R ZR stay, and so
@@ -140,6 +147,15 @@ class Rack final : private can::Ticker {
   Access read_bits(Device device, std::uint32_t first, std::span<std::uint8_t> bits, can::Time now);
   /// Bit devices only: 0 is OFF, anything else ON. Y act in the order of their numbers.
   Access write_bits(Device device, std::uint32_t first, std::span<const std::uint8_t> bits, can::Time now);
+
+  /// Where the program of this rack may read and write a point itself: one that is memory and nothing else. 0 or 1, at a place that stays
+  /// while no module is inserted. nullptr: by the accesses above only.
+  [[nodiscard]] std::uint8_t* bit_in_memory(Device device, std::uint32_t number) noexcept;
+  /// The same of `count` words in a row.
+  [[nodiscard]] std::uint16_t* words_in_memory(Device device, std::uint32_t first, std::uint32_t count);
+  /// `count` X of modules become those of this moment, or as many Y go out to the modules, within a scan. Of other points nothing
+  /// changes.
+  Access refresh(Device device, std::uint32_t first, std::uint32_t count, can::Time now);
 
   /// FROM and TO, U\G: words of the module whose points include `head_address`. Racks whose modules have no points
   /// (FX, AS300) take 16 times the module's number. What FROM reads need not be what TO has written.
@@ -178,7 +194,17 @@ class Rack final : private can::Ticker {
   void tick(can::Time now) override;
 
   [[nodiscard]] const Slot* slot_of_point(std::uint32_t point) const noexcept;
-  [[nodiscard]] DeviceWords& memory(Device device) noexcept;
+  [[nodiscard]] DeviceWords& words_of(Device device) noexcept;
+  [[nodiscard]] DeviceBits& bits_of(Device device) noexcept {
+    return bits_[static_cast<std::size_t>(device)];
+  }
+  [[nodiscard]] const DeviceBits& bits_of(Device device) const noexcept {
+    return bits_[static_cast<std::size_t>(device)];
+  }
+  /// A module's state is read there, not memory.
+  [[nodiscard]] bool is_module_input(Device device, std::uint32_t number) const noexcept;
+  [[nodiscard]] bool is_module_register(Device device, std::uint32_t first,
+                                        std::uint32_t count) const noexcept;
   /// 16 points from number 16 * block on, as they read.
   [[nodiscard]] std::uint16_t bit_block(Device device, std::uint32_t block, can::Time now);
   [[nodiscard]] std::uint32_t inputs_of(const Slot& slot) const noexcept;
@@ -191,16 +217,19 @@ class Rack final : private can::Ticker {
                        can::Time now);
   void write_bit(Device device, std::uint32_t number, bool on, can::Time now);
   void output_to_module(std::uint32_t number, bool on, can::Time now);
-  void tell_cpu_state(can::Time now);
+  void notify_cpu_state(can::Time now);
+  /// The program's turn, if one runs.
+  void begin_scan(can::Time now);
 
   CpuModel model_;
   bool refreshes_by_scan_;  // X and Y
   std::vector<Slot> slots_;
   std::vector<RackListener*> listeners_;
   std::array<std::uint8_t, block_count> slot_of_block_{};  // number in slots_, or empty
-  std::array<DeviceWords, device_count> memory_;           // bit devices: 16 points per word
+  std::array<DeviceWords, device_count> words_;
+  std::array<DeviceBits, device_count> bits_;
   std::vector<std::uint16_t> own_buffer_;
-  std::vector<std::uint16_t> outputs_before_stop_;
+  std::vector<std::uint8_t> outputs_before_stop_;
   CpuCondition condition_;
   bool on_ = false;
   EndProcessing end_processing_;

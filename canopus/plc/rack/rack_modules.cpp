@@ -52,6 +52,15 @@ void Rack::write_registers(Device device, std::uint32_t first, std::span<const s
   }
 }
 
+bool Rack::is_module_register(Device device, std::uint32_t first, std::uint32_t count) const noexcept {
+  const auto is_among = [&](const module::RegisterRange& range) {
+    return device_of(range.kind) == device && range.first < first + count && first <= range.last;
+  };
+  return std::ranges::any_of(slots_, [&](const Slot& slot) {
+    return slot.registers != nullptr && std::ranges::any_of(slot.registers->registers(), is_among);
+  });
+}
+
 Rack::Access Rack::check_buffer(std::uint16_t head_address, module::BufferAddress first,
                                 std::uint32_t count) const noexcept {
   const Slot* slot = slot_of_point(head_address);

@@ -12,7 +12,7 @@ namespace canopus::plc {
 class Scan {
  public:
   /// The default scan time.
-  static constexpr can::Duration usual_period = std::chrono::milliseconds(10);
+  static constexpr can::Duration default_period = std::chrono::milliseconds(10);
   static constexpr can::Duration shortest_period = std::chrono::microseconds(100);
   /// The longest one that the watchdog timer setting of a Q CPU permits.
   static constexpr can::Duration longest_period = std::chrono::milliseconds(2000);
@@ -31,10 +31,10 @@ class Scan {
   void run(can::Time now) noexcept {
     counted_ = 0;
     is_counting_ = false;
-    go_on(now);
+    resume(now);
   }
   /// Back from PAUSE: they are counted on.
-  void go_on(can::Time now) noexcept {
+  void resume(can::Time now) noexcept {
     counting_since_ = ended(now);
     is_counting_ = true;
   }

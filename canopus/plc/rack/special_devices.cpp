@@ -19,6 +19,9 @@ enum class Meaning : std::uint8_t {
   run,               ///< ON in RUN
   stop,              ///< ON in STOP
   pause,             ///< ON in PAUSE
+  error,             ///< ON after an error that has stopped the CPU
+  operation_error,   ///< the same of an FX3: in an instruction
+  watchdog_error,    ///< of a scan that took too long
   first_scan,        ///< ON for the first scan after RUN
   after_first_scan,  ///< ON in RUN but for the first scan
   clock,             ///< half of the time OFF, then ON
@@ -31,6 +34,8 @@ struct Relay {
 
 // SM of the MELSEC families; those from 8000 on are the FX3's M, which an FX5 has as SM besides.
 constexpr std::array melsec_relays = {
+    Relay{0, Meaning::error},
+    Relay{1, Meaning::error},
     Relay{203, Meaning::stop},
     Relay{204, Meaning::pause},
     Relay{400, Meaning::on},
@@ -45,12 +50,15 @@ constexpr std::array melsec_relays = {
     Relay{8001, Meaning::stop},
     Relay{8002, Meaning::first_scan},
     Relay{8003, Meaning::after_first_scan},
+    Relay{8004, Meaning::error},
+    Relay{8061, Meaning::watchdog_error},
+    Relay{8067, Meaning::operation_error},
     Relay{8011, Meaning::clock, milliseconds(5)},
     Relay{8012, Meaning::clock, milliseconds(50)},
     Relay{8013, Meaning::clock, milliseconds(500)},
     Relay{8014, Meaning::clock, milliseconds(30000)},
 };
-constexpr std::size_t fx_relays = 8;  // of them, the last ones
+constexpr std::size_t fx_relays = 11;  // of them, the last ones
 constexpr std::array as300_relays = {
     Relay{400, Meaning::run},
     Relay{401, Meaning::stop},
@@ -78,6 +86,9 @@ bool is_on(const Relay& relay, const CpuCondition& condition, can::Time now) {
     case Meaning::run: return run;
     case Meaning::stop: return !run;
     case Meaning::pause: return condition.is_paused;
+    case Meaning::error: return condition.error.has_value();
+    case Meaning::watchdog_error: return condition.error && condition.error->is_watchdog;
+    case Meaning::operation_error: return condition.error && !condition.error->is_watchdog;
     case Meaning::first_scan: return condition.scan.is_first(now);
     case Meaning::after_first_scan: return run && !condition.scan.is_first(now);
     case Meaning::clock: return now.time_since_epoch() / relay.half_period % 2 != 0;
@@ -177,6 +188,24 @@ std::optional<std::uint16_t> clock_register(const CpuModel& model, const CpuCond
   }
 }
 
+/// SD0 and the clock of the error behind it: as BCD pairs in three words (Q), or as SD210 to SD216 in seven (iQ-R, FX5).
+std::optional<std::uint16_t> error_register(const CpuModel& model, const CpuCondition& condition,
+                                            std::uint32_t number) {
+  if (number > (model.bcd_clock ? 3U : 7U)) return std::nullopt;
+  if (!condition.error || condition.error->code == 0) return std::uint16_t{0};
+  if (number == 0) return condition.error->code;
+  return clock_register(model, condition, 209 + number, condition.error->time);
+}
+
+/// D8061 and D8067 hold the code of the error, D8004 the number of the relay that shows it.
+std::optional<std::uint16_t> fx_error_register(const CpuCondition& condition, std::uint32_t number) {
+  if (number != 8004 && number != 8061 && number != 8067) return std::nullopt;
+  if (!condition.error || condition.error->code == 0) return std::uint16_t{0};
+  const std::uint16_t relay = condition.error->is_watchdog ? 8061 : 8067;
+  if (number == 8004) return relay;
+  return number == relay ? condition.error->code : std::uint16_t{0};
+}
+
 }  // namespace
 
 std::uint16_t special_relays(const CpuModel& model, const CpuCondition& condition, std::uint32_t block,
@@ -195,9 +224,11 @@ std::optional<std::uint16_t> special_register(const CpuModel& model, const CpuCo
   if (model.family == CpuFamily::fx3 || model.family == CpuFamily::fx5) {
     if (const auto scan = fx_scan_register(condition.scan, number, now)) return scan;
     if (const auto clock = fx_clock_register(model, condition, number, now)) return clock;
+    if (const auto error = fx_error_register(condition, number)) return error;
     if (model.family == CpuFamily::fx3) return std::nullopt;
   }
   if (number == 203) return cpu_state(condition);
+  if (const auto error = error_register(model, condition, number)) return error;
   if (const auto points = device_points_register(model, number)) return points;
   if (const auto scan = scan_register(model, condition.scan, number, now)) return scan;
   return clock_register(model, condition, number, now);

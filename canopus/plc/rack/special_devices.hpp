@@ -16,12 +16,20 @@ namespace canopus::plc {
 /// The cause of the CPU's STOP, coded as in SD203.
 enum class StopCause : std::uint8_t { by_switch = 0, remote = 2, error = 4 };
 
+/// An error that has stopped the CPU.
+struct CpuError {
+  std::uint16_t code = 0;    ///< as SD0 has it, of an FX3 D8067 or D8061; 0: the family has none
+  bool is_watchdog = false;  ///< a scan that took too long
+  can::Time time{};
+};
+
 /// The CPU state in the special devices.
 struct CpuCondition {
   module::CpuState state = module::CpuState::run;
   StopCause stop_cause = StopCause::by_switch;
   bool is_paused = false;
-  Scan scan{Scan::usual_period};
+  std::optional<CpuError> error{};  ///< the latest one, until RUN
+  Scan scan{Scan::default_period};
   std::chrono::local_seconds clock{};  ///< at clock_set
   can::Time clock_set{};
 };
