@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/manager/nmt/negotiation_words.hpp"
 
@@ -47,7 +48,8 @@ std::string why_no_mapping(const std::vector<std::uint32_t>& mapping) {
   for (const std::uint32_t entry : mapping) {
     const unsigned length = entry & 0xFF;
     if (length == 0 || length > 64 || length % 8 != 0) {
-      return fmt::format("mapped object 0x{:08X}: {} bits; expected 8, 16, 32 and so on", entry, length);
+      return fmt::format("mapped object 0x{:08X}: {}; expected 8, 16, 32 and so on", entry,
+                         ascii::counted(length, "bit"));
     }
     bits += length;
   }
@@ -147,7 +149,8 @@ std::expected<void, std::string> ModuleProject::add(const Window& window, std::u
   auto& rows = rows_[window.word];
   if (rows.contains(key)) return std::unexpected(fmt::format("{} is there already", place_of(window, key)));
   if (rows.size() >= window.most_rows) {
-    return std::unexpected(fmt::format("{}: at most {} rows", window.word, window.most_rows));
+    return std::unexpected(
+        fmt::format("{}: at most {}", window.word, ascii::counted(window.most_rows, "row")));
   }
   if (window.word == "slave" && value("master", "NMT master") == 0) {
     return std::unexpected(
@@ -263,9 +266,9 @@ std::vector<ProjectFinding> ModuleProject::check() const {
         found.push_back({true, place + ": " + wrong});
       for (const std::uint32_t entry : row.mapping) {
         if (tool_->object_name(entry).empty()) {
-          found.push_back(
-              {false, fmt::format("{}: mapped object {} with {} bits is none of the module's", place,
-                                  canopen::object_text(entry >> 16, entry >> 8 & 0xFF), entry & 0xFF)});
+          found.push_back({false, fmt::format("{}: mapped object {} with {} is none of the module's", place,
+                                              canopen::object_text(entry >> 16, entry >> 8 & 0xFF),
+                                              ascii::counted(entry & 0xFF, "bit"))});
         }
       }
       if (!window.name_field.empty()) {

@@ -26,7 +26,7 @@ struct Target {
 
   auto operator<=>(const Target&) const = default;
   [[nodiscard]] std::string name() const {
-    return is_word ? fmt::format("G{}", number) : canopen::object_name(number, sub);
+    return is_word ? fmt::format("G{}", number) : canopen::object_text(number, sub);
   }
 };
 

@@ -49,7 +49,7 @@ struct PdoRange {
 
 /// One value that the module has otherwise than the project.
 struct Difference {
-  std::string where;  ///< "tpdo 1: COB-ID (1800H:01)"
+  std::string where;  ///< "tpdo 1: COB-ID (1800:01)"
   std::string device;
   std::string project;
 };

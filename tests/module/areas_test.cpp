@@ -10,7 +10,7 @@
 #include "canopus/module/canopen/network_variables.hpp"
 #include "canopus/module/canopen/nmt_status.hpp"
 #include "canopus/module/memory/error_status.hpp"
-#include "canopus/module/models/me3can1_q/model.hpp"
+#include "canopus/module/models/me3can1_q/me3can1_q.hpp"
 #include "canopus/module/storage/stored_settings.hpp"
 
 namespace canopus::module::areas_test {

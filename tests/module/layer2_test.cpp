@@ -205,20 +205,20 @@ TEST(Layer2, ReceiveProcessing_TakesSoManyMessagesAtOnce) {
   b.receives(0, 0x0181);
   b.receives(1, 0x0182);
   b.layer2.go_online({});
-  const auto hear = [&](std::uint32_t identifier, can::Duration at) {
+  const auto receive = [&](std::uint32_t identifier, can::Duration at) {
     b.layer2.receive(can::data_frame(identifier), can::Time(at));
   };
-  for (int i = 0; i < 10; ++i) hear(0x183, 0ms);  // nobody's
-  for (int i = 0; i < 3; ++i) hear(0x181, 0ms);
+  for (int i = 0; i < 10; ++i) receive(0x183, 0ms);  // nobody's
+  for (int i = 0; i < 3; ++i) receive(0x181, 0ms);
   EXPECT_FALSE(b.layer2.any_slot_error());
-  hear(0x182, 999us);
+  receive(0x182, 999us);
   EXPECT_EQ(b.memory.word(401), 0);
   EXPECT_EQ(b.memory.word(402), slot_error::receive_overflow);
   EXPECT_TRUE(b.layer2.any_slot_error());
   b.write(402, 0);
-  hear(0x182, 1ms);
+  receive(0x182, 1ms);
   EXPECT_FALSE(b.layer2.any_slot_error());
-  hear(0x182, 1ms);
+  receive(0x182, 1ms);
   EXPECT_TRUE(b.layer2.any_slot_error());
 }
 

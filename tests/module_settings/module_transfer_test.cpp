@@ -197,7 +197,7 @@ TEST_F(ModuleTransferTest, ARefusalEndsTheTransferAndNothingIsSaved) {
   add("tpdo", 1);
   ASSERT_TRUE(project_.set_mapping(*project_.window("tpdo"), 1, {0xA1000110}));
   module_.refused = "1A00:01=A1000110";
-  EXPECT_EQ(write("all"), "tpdo 1: 1A00H:01 = A1000110H: abort 06090030H, value range exceeded");
+  EXPECT_EQ(write("all"), "tpdo 1: 1A00:01 = A1000110H: abort 06090030H, value range exceeded");
   EXPECT_THAT(module_.log, ElementsAre("1800:01=C00001FF", "1A00:00=00"));
   ASSERT_FALSE(steps_.empty());
   EXPECT_FALSE(steps_.back().good);

@@ -35,7 +35,7 @@ void DataExchange::add_copies(const canopen::ObjectDictionary& dictionary, std::
   }
 }
 
-void DataExchange::look_at_mappings(const canopen::Node& node) {
+void DataExchange::check_mappings(const canopen::Node& node) {
   revision_ = node.identifiers_revision();
   receive_.clear();
   receive_first_.clear();

@@ -1,7 +1,7 @@
 #pragma once
 // Data exchange between the PLC's process data words and the network variables of the object dictionary (CiA
 // 405). Received values gather in a block of their own, written by RPDOs and SDOs as they come; the PLC sees
-// them when it asks for an exchange. What the PLC wants sent is taken in the same moment, and only into
+// them when it requests an exchange. What the PLC has to send is latched in the same moment, and only into
 // objects that a TPDO maps [ME3CAN1-Q 3.5.1, 3.5.19], or into all that show the same words [FX2N-32CAN 5.1].
 //
 // What the mappings mean is worked out once, into copies between the dictionary's value block and the two
@@ -50,9 +50,9 @@ class DataExchange final : public canopen::ObjectHandler {
   };
   /// Of each frame: the mappings are those that the copies below were made of, or they are made anew.
   void follow(const canopen::Node& node) {
-    if (node.identifiers_revision() != revision_ || receive_first_.empty()) look_at_mappings(node);
+    if (node.identifiers_revision() != revision_ || receive_first_.empty()) check_mappings(node);
   }
-  void look_at_mappings(const canopen::Node& node);
+  void check_mappings(const canopen::Node& node);
   void find_areas(const canopen::DictionaryDescription& description);
   /// Received bytes into every network variable that shows them.
   void show_in_all(std::span<std::uint8_t> block, std::size_t place, std::size_t bytes) const noexcept;

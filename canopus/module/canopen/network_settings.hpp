@@ -26,7 +26,7 @@ class NetworkSettings final : public BufferArea {
     memory.attach(layout->sdo_time_out, layout->sdo_time_out, *this);
   }
 
-  /// As the words say now: when others than the program have changed them.
+  /// Applies the words as they are now: when others than the program have changed them.
   void apply() {
     if (!layout_) return;
     manager::MasterOptions& options = master_->options();

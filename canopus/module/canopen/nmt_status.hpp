@@ -2,7 +2,7 @@
 // What the PLC sees of the other nodes' error control and NMT states [ME3CAN1-Q 3.5.15, 3.5.16; FX3U-CAN 6.24]:
 // error control bits and a state for each node 1..127. The bits are those of the NMT master
 // (manager/nmt/nmt_master.hpp), the life guarding of this node as a slave comes on top. A module without such words
-// still knows them.
+// still has them.
 
 #include <array>
 #include <bitset>
@@ -80,7 +80,7 @@ class NmtStatus final : public BufferArea {
   [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) const override;
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
   /// Nodes whose failures the program has cleared by writing, since the last call.
-  [[nodiscard]] std::bitset<128> take_cleared() noexcept { return std::exchange(cleared_, {}); }
+  [[nodiscard]] std::bitset<128> consume_cleared() noexcept { return std::exchange(cleared_, {}); }
 
  private:
   static constexpr std::uint8_t last_node = 127;

@@ -126,8 +126,8 @@ class CommandHost {
   [[nodiscard]] virtual std::uint8_t own_node_id() const = 0;
   [[nodiscard]] virtual canopen::ObjectDictionary& dictionary() = 0;
   [[nodiscard]] virtual can::Duration sdo_time_out() const = 0;
-  /// False while somebody else in the module uses the default SDO channel of this node.
-  [[nodiscard]] virtual bool sdo_channel_free(std::uint8_t node_id) const = 0;
+  /// False while another part of the module uses the default SDO channel of this node.
+  [[nodiscard]] virtual bool sdo_channel_available(std::uint8_t node_id) const = 0;
   virtual EmergencyAnswer send_emergency(std::uint16_t code, std::uint8_t error_register,
                                          std::span<const std::uint8_t, 5> manufacturer, can::Time now) = 0;
   /// Queues a plain frame. `parameters` are the words after the command code; `faults` gets a value other
@@ -139,7 +139,7 @@ class CommandHost {
   /// PDOs of the module, each way.
   [[nodiscard]] virtual std::uint16_t pdos() const = 0;
   virtual void map_pdos(PdoMapping mapping, can::Time now) = 0;
-  /// Nothing is executed now: what is asked for begins with CommandInterface::release() [FX2N-32CAN 6.4.7].
+  /// Nothing is executed now: what is requested begins with CommandInterface::release() [FX2N-32CAN 6.4.7].
   [[nodiscard]] virtual bool holds_commands() const = 0;
   /// False: no queue has room for it.
   virtual bool send_now(const can::Frame& frame) = 0;

@@ -19,7 +19,7 @@ void put_bytes(std::span<const std::uint8_t> bytes, std::span<std::uint16_t> wor
   }
 }
 
-void take_bytes(std::span<const std::uint16_t> words, std::span<std::uint8_t> bytes) {
+void copy_bytes(std::span<const std::uint16_t> words, std::span<std::uint8_t> bytes) {
   for (std::size_t i = 0; i < bytes.size(); ++i)
     bytes[i] = i % 2 == 0 ? low_byte(words[i / 2]) : high_byte(words[i / 2]);
 }
@@ -48,7 +48,7 @@ void CommandInterface::start_access(can::Time now) {
   if (node > 127) return access_done(layout_->no_such_node, {}, now);
   if (!is_read()) {
     if (length == 0 || length > maximum) return access_done(canopen::AbortCode::length_mismatch, {}, now);
-    take_bytes(std::span(running_request_).subspan(word + 4), std::span(download_).first(length));
+    copy_bytes(std::span(running_request_).subspan(word + 4), std::span(download_).first(length));
   }
   const auto value = std::span<const std::uint8_t>(download_).first(is_read() ? 0 : length);
   if (is_local(node)) {
@@ -64,7 +64,7 @@ void CommandInterface::start_access(can::Time now) {
   const auto server = static_cast<std::uint8_t>(node);
   if (!layout_->has_state_classes && host_->bus_obstacle() != 0)
     return access_done(abort_no_channel, {}, now);
-  if (!host_->sdo_channel_free(server)) return access_done(layout_->channel_in_use, {}, now);
+  if (!host_->sdo_channel_available(server)) return access_done(layout_->channel_in_use, {}, now);
   client_.set_server(server);
   client_.set_maximum_size(maximum);
   const bool started = is_read() ? client_.upload(index, sub, *this, now, host_->sdo_time_out())
@@ -85,9 +85,10 @@ void CommandInterface::sdo_finished(canopen::SdoClient& client, can::Time now) {
 canopen::AbortCode CommandInterface::shown_code() const noexcept {
   const canopen::AbortCode code = client_.abort_code();
   if (code == abort_buffer_too_small && !client_.data().empty()) return layout_->too_long_at_last;
-  const bool is_own = client_.gave_up() && (code == canopen::AbortCode::timed_out ||
-                                            code == canopen::AbortCode::command_specifier ||
-                                            code == canopen::AbortCode::toggle_bit);
+  const bool is_own =
+      client_.gave_up() &&
+      (code == canopen::AbortCode::timed_out || code == canopen::AbortCode::command_specifier ||
+       code == canopen::AbortCode::toggle_bit || client_.short_answer() != nullptr);
   // Time-out and protocol mismatch are one code where a time-out is not CiA 301's [FX2N-32CAN 6.4.2].
   return is_own && layout_->silent_node != canopen::AbortCode::timed_out ? layout_->silent_node : code;
 }
@@ -186,7 +187,7 @@ void CommandInterface::continue_set_up(can::Time now) {
       result_.fill(0);
       return fail(obstacle, now);
     }
-    if (!host_->sdo_channel_free(access->node)) {
+    if (!host_->sdo_channel_available(access->node)) {
       set_up_.done(layout_->channel_in_use, 0);
       continue;
     }
@@ -212,7 +213,7 @@ void CommandInterface::map_pdos(can::Time now) {
   finish(command_->success, now);
 }
 
-// Without an NMT master there is nobody to be a slave of: each number is wrong here [FX2N-32CAN 8.2.1].
+// Without an NMT master there are no slaves: each number is wrong here [FX2N-32CAN 8.2.1].
 void CommandInterface::refuse_slaves(can::Time now) {
   constexpr std::size_t words_per_slave = 4, last_record = 61;
   for (std::size_t at = 1; at <= last_record && running_request_[at] != end_of_list; at += words_per_slave) {

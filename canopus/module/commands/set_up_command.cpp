@@ -50,7 +50,7 @@ std::uint8_t SetUpCommand::real_node(std::uint16_t written) const noexcept {
   return written == 0 ? local_ : static_cast<std::uint8_t>(written);
 }
 
-void SetUpCommand::go_on() noexcept {
+void SetUpCommand::next_step() noexcept {
   step_ = 0;
   switch (kind_) {
     case SetUpKind::heartbeat_producing:
@@ -104,7 +104,7 @@ std::optional<SetUpAccess> SetUpCommand::heartbeat_access() noexcept {
   }
   if (word() > last_node) {
     answer(0, bad);
-    go_on();
+    next_step();
     return std::nullopt;
   }
   if (kind_ == SetUpKind::heartbeat_producing) {
@@ -136,7 +136,7 @@ bool SetUpCommand::has_wrong_assignment() noexcept {
 
 std::optional<SetUpAccess> SetUpCommand::assignment_access() noexcept {
   if (has_wrong_assignment()) {
-    go_on();
+    next_step();
     return std::nullopt;
   }
   const std::uint8_t slave = low_byte(word());
@@ -161,7 +161,7 @@ std::optional<SetUpAccess> SetUpCommand::assignment_access() noexcept {
 std::optional<SetUpAccess> SetUpCommand::storing_access() noexcept {
   if (word() > last_node) {
     answer(0, bad);
-    go_on();
+    next_step();
     return std::nullopt;
   }
   const bool stores = kind_ == SetUpKind::store;
@@ -189,7 +189,7 @@ std::optional<SetUpAccess> SetUpCommand::binding_access() noexcept {
       answer(0, bad);
       answer(1, bad);
     }
-    go_on();
+    next_step();
     return std::nullopt;
   }
   if (high_byte(word(1)) == local_tpdo) return extra_tpdo_access();
@@ -201,14 +201,14 @@ std::optional<SetUpAccess> SetUpCommand::binding_access() noexcept {
       if (is_bad(word())) {
         answer(0, bad);
         answer(1, bad);
-        go_on();
+        next_step();
         return std::nullopt;
       }
       return cob_id_access(word(), first_tpdo);
     case 1:
       if (is_bad(word(1))) {
         answer(1, bad);
-        go_on();
+        next_step();
         return std::nullopt;
       }
       return cob_id_access(word(1), first_rpdo);
@@ -231,7 +231,7 @@ std::optional<SetUpAccess> SetUpCommand::extra_tpdo_access() noexcept {
   if (bad_source || bad_own) {
     if (bad_source) answer(0, word());
     answer(1, bad_own ? word(1) : bad);
-    go_on();
+    next_step();
     return std::nullopt;
   }
   const auto index = static_cast<std::uint16_t>(first_tpdo + own - 1);
@@ -250,7 +250,7 @@ void SetUpCommand::done(canopen::AbortCode code, std::uint32_t value) noexcept {
     case SetUpKind::heartbeat_producing:
       // At the node that does not answer, or at the time that it refuses.
       if (!good) answer(no_response(code) ? 0U : 1U, bad);
-      return go_on();
+      return next_step();
     case SetUpKind::heartbeat_consuming:
       if (no_response(code)) {
         answers_->front() = bad;
@@ -258,12 +258,12 @@ void SetUpCommand::done(canopen::AbortCode code, std::uint32_t value) noexcept {
         return;
       }
       if (!good) answer(1, bad);
-      return go_on();
+      return next_step();
     case SetUpKind::slave_assignment: return assignment_done(code);
     case SetUpKind::store:
     case SetUpKind::restore:
       if (!good) answer(0, bad);
-      return go_on();
+      return next_step();
     case SetUpKind::bind_pdos: return binding_done(code, value);
   }
 }
@@ -278,16 +278,16 @@ void SetUpCommand::assignment_done(canopen::AbortCode code) noexcept {
     } else {
       answer(step_ == 1 ? 2U : 3U, bad);
     }
-    return go_on();
+    return next_step();
   }
-  if (++step_ == 3) go_on();
+  if (++step_ == 3) next_step();
 }
 
 void SetUpCommand::binding_done(canopen::AbortCode code, std::uint32_t value) noexcept {
   const bool good = code == canopen::AbortCode::none;
   if (high_byte(word(1)) == local_tpdo) {
     if (!good) answer(1, word(1));
-    if (!good || ++step_ == 2) go_on();
+    if (!good || ++step_ == 2) next_step();
     return;
   }
   const bool at_source = step_ == 0;
@@ -297,14 +297,14 @@ void SetUpCommand::binding_done(canopen::AbortCode code, std::uint32_t value) no
     const std::uint8_t node = real_node(high_byte(parameter));
     answer(own_word, no_response(code) ? word_of(node, 0) : word_of(node, low_byte(parameter)));
     if (at_source) answer(1, bad);
-    return go_on();
+    return next_step();
   }
   switch (step_++) {
     case 0:
       if ((value & invalid_bit) != 0) {
         answer(0, low_byte(parameter));
         answer(1, bad);
-        return go_on();
+        return next_step();
       }
       cob_id_ = value & identifier_bits;
       return;
@@ -315,7 +315,7 @@ void SetUpCommand::binding_done(canopen::AbortCode code, std::uint32_t value) no
     case 2: return;
     default:
       if (was_disabled_ && real_node(high_byte(parameter)) != local_) answer(1, low_byte(parameter));
-      return go_on();
+      return next_step();
   }
 }
 

@@ -35,7 +35,7 @@ struct SetUpRules {
   std::uint8_t assignment_bits = 0xFF;
   /// Of a record of slave assignment with a wrong parameter the words that are not wrong read FFFFH [FX2N-32CAN 8.2.6].
   bool marks_skipped_words = false;
-  /// Mode B's default mapping may be asked for by the first pair alone [FX2N-32CAN 7.4.6].
+  /// Mode B's default mapping may be requested by the first pair alone [FX2N-32CAN 7.4.6].
   bool default_mapping_first = false;
   /// The COB-ID of a destination that is valid is written over; else it is switched off before [CiA 301 7.5.2.35].
   bool writes_over_cob_ids = false;
@@ -68,14 +68,14 @@ class SetUpCommand {
   void done(canopen::AbortCode code, std::uint32_t value) noexcept;
   /// Some parameter was answered with something else than 0.
   [[nodiscard]] bool failed() const noexcept;
-  /// The entry that next() stands at asks for Mode B's default mapping first: to be done before going on. True once.
+  /// The entry that next() stands at requires Mode B's default mapping first: to be done before going on. True once.
   [[nodiscard]] bool takes_reset() noexcept;
 
  private:
   [[nodiscard]] std::uint16_t word(std::size_t offset = 0) const noexcept { return (*words_)[at_ + offset]; }
   void answer(std::size_t offset, std::uint16_t value) noexcept { (*answers_)[at_ + offset] = value; }
   /// The entry is over.
-  void go_on() noexcept;
+  void next_step() noexcept;
   [[nodiscard]] bool has_entry() const noexcept;
   [[nodiscard]] std::optional<SetUpAccess> first_access() noexcept;
   [[nodiscard]] std::optional<SetUpAccess> heartbeat_access() noexcept;

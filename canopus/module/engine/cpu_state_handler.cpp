@@ -2,32 +2,27 @@
 
 #include <utility>
 
+#include "canopus/module/engine/layer2_mode.hpp"
+#include "canopus/module/engine/module_node.hpp"
+
 namespace canopus::module {
 
-namespace {
-
-// 1029H:01.
-constexpr std::uint8_t no_change_on_error = 1;
-constexpr std::uint8_t stopped_on_error = 2;
-
-}  // namespace
-
 void CpuStateHandler::changed(CpuState state, can::Time now) {
-  const CpuState before = std::exchange(parts_.state.cpu, state);
+  const CpuState before = std::exchange(cpu_, state);
   const bool failed = std::exchange(failed_, false);
-  if (parts_.model.cpu.is_unknown) return;
-  if (state == CpuState::run) parts_.state.cpu_fault = false;
-  if (!parts_.state.running()) return;
+  if (context_.model.cpu.is_unknown) return;
+  if (state == CpuState::run) has_fault_ = false;
+  if (!context_.state.running()) return;
   const bool stopped = before == CpuState::run && state == CpuState::stop;
-  if (!parts_.state.canopen_mode()) {
-    if (stopped) parts_.layer2.cpu_stopped();
-    if (stopped && parts_.model.cpu.stop_ends_layer2) {
-      parts_.layer2.go_offline();
-      parts_.port->went_offline();
+  if (!context_.state.canopen_mode()) {
+    if (stopped) layer2_.cpu_stopped();
+    if (stopped && context_.model.cpu.stop_ends_layer2) {
+      layer2_.end();
+      context_.port->went_offline();
     }
   } else if (stopped) {
     // One error, one message: a CPU error's STOP is not reported as RUN to STOP besides [ME3CAN1-Q 8.2.2].
-    const EmergencyRows& rows = parts_.model.emergencies;
+    const EmergencyRows& rows = context_.model.emergencies;
     enter_stop(failed ? rows.cpu_error : rows.cpu_stopped, now);
   } else if (before == CpuState::stop && state == CpuState::run) {
     enter_run(now);
@@ -35,69 +30,64 @@ void CpuStateHandler::changed(CpuState state, can::Time now) {
 }
 
 void CpuStateHandler::failed() {
-  if (parts_.model.cpu.is_unknown) return;
-  failed_ = parts_.state.cpu == CpuState::run;
-  parts_.state.cpu_fault = true;
-  if (failed_ || !parts_.state.running() || !parts_.state.canopen_mode()) return;
-  parts_.own_emergencies.raise(parts_.model.emergencies.cpu_error);  // it was in STOP already
+  if (context_.model.cpu.is_unknown) return;
+  failed_ = cpu_ == CpuState::run;
+  has_fault_ = true;
+  if (failed_ || !context_.state.running() || !context_.state.canopen_mode()) return;
+  node_.raise_emergency(context_.model.emergencies.cpu_error);  // it was in STOP already
 }
 
 void CpuStateHandler::watchdog_expired(can::Time now) {
-  parts_.report("the program has not used the data words for too long", now);
-  if (!parts_.state.canopen_mode()) return parts_.layer2.cpu_stopped();
-  const bool keeps_state = parts_.model.cpu.watchdog_keeps_state;
-  if (keeps_state && parts_.node.state() != canopen::NmtState::operational) return;
-  parts_.own_emergencies.raise(parts_.model.emergencies.access_watchdog);
-  parts_.own_emergencies.send(now);  // before the state in which there are none
-  if (!keeps_state) leave_operational(now);
+  context_.report("the program has not used the data words for too long", now);
+  if (!context_.state.canopen_mode()) return layer2_.cpu_stopped();
+  const bool keeps_state = context_.model.cpu.watchdog_keeps_state;
+  if (keeps_state && node_.state() != canopen::NmtState::operational) return;
+  node_.raise_emergency(context_.model.emergencies.access_watchdog);
+  node_.send_emergencies(now);  // before the state in which there are none
+  if (!keeps_state) node_.leave_operational(now);
+}
+
+bool CpuStateHandler::is_master_in_run_alone() const {
+  return context_.model.cpu.stop_ends_master && node_.is_master_by_role();
 }
 
 void CpuStateHandler::node_starts(can::Time now) {
-  const bool stopped = parts_.state.cpu == CpuState::stop && !parts_.model.cpu.is_unknown;
-  const bool has_no_role = stopped && parts_.model.cpu.stop_ends_master && parts_.is_master_by_role();
-  stop_is_due_ = stopped && parts_.model.cpu.stop_at_start_counts;
-  parts_.node.pause_heartbeat(has_no_role, now);
-  if (!has_no_role) parts_.master.start(now);
+  const bool stopped = cpu_ == CpuState::stop && !context_.model.cpu.is_unknown;
+  stop_is_due_ = stopped && context_.model.cpu.stop_at_start_counts;
+  if (stopped && is_master_in_run_alone()) {
+    node_.pause_heartbeat(true, now);
+  } else {
+    node_.pause_heartbeat(false, now);
+    node_.start_master(now);
+  }
+}
+
+void CpuStateHandler::enter_due_stop(can::Time now) {
+  if (stop_is_due_ && !node_.boot_up_waits()) enter_stop(context_.model.emergencies.cpu_stopped, now);
 }
 
 bool CpuStateHandler::allows_operational() const {
-  if (parts_.model.cpu.is_unknown) return true;
-  return (parts_.state.cpu == CpuState::run && !parts_.watchdog.expired()) ||
-         parts_.node.dictionary().get<std::uint8_t>(0x1029, 1) == no_change_on_error;
+  if (context_.model.cpu.is_unknown) return true;
+  return (cpu_ == CpuState::run && !context_.watchdog.expired()) || node_.keeps_state_on_error();
 }
 
 void CpuStateHandler::enter_stop(const EmergencyRow& row, can::Time now) {
   stop_is_due_ = false;
-  canopen::Node& node = parts_.node;
-  parts_.own_emergencies.raise(row);
-  parts_.own_emergencies.send(now);  // before the state in which there are none
-  if (parts_.model.cpu.stop_ends_master && parts_.is_master_by_role()) {
-    parts_.master.stop(now);
-    node.pause_heartbeat(true, now);
+  node_.raise_emergency(row);
+  node_.send_emergencies(now);  // before the state in which there are none
+  if (is_master_in_run_alone()) {
+    node_.stop_master(now);
+    node_.pause_heartbeat(true, now);
   }
-  leave_operational(now);
-}
-
-void CpuStateHandler::leave_operational(can::Time now) {
-  canopen::Node& node = parts_.node;
-  // [ME3CAN1-Q 4.7] 1 means no change on communication errors, yet STOP still leads to Pre-operational.
-  const auto behaviour = node.dictionary().get<std::uint8_t>(0x1029, 1);
-  if (behaviour == stopped_on_error) {
-    node.command(canopen::NmtCommand::stop, now);
-  } else if (node.state() == canopen::NmtState::operational) {
-    node.command(canopen::NmtCommand::enter_pre_operational, now);
-  }
+  node_.leave_operational(now);
 }
 
 void CpuStateHandler::enter_run(can::Time now) {
   stop_is_due_ = false;
-  if (parts_.model.cpu.run_ends_error) {
-    const EmergencyRow& row = parts_.model.emergencies.cpu_stopped;
-    parts_.node.forget_error(row.code, row.manufacturer, now);
-  }
-  if (!parts_.model.cpu.stop_ends_master || !parts_.is_master_by_role()) return;
-  parts_.node.pause_heartbeat(false, now);
-  if (parts_.node.state() != canopen::NmtState::initialising) parts_.master.start(now);
+  if (context_.model.cpu.run_ends_error) node_.forget_error(context_.model.emergencies.cpu_stopped, now);
+  if (!is_master_in_run_alone()) return;
+  node_.pause_heartbeat(false, now);
+  if (node_.state() != canopen::NmtState::initialising) node_.start_master(now);
 }
 
 }  // namespace canopus::module

@@ -11,9 +11,7 @@ constexpr can::Duration retry_after = std::chrono::milliseconds(1);
 
 }  // namespace
 
-EmergencyQueue::EmergencyQueue(canopen::Node& node, const ModuleState& state) : node_(&node), state_(&state) {
-  messages_.reserve(most_messages);
-}
+EmergencyQueue::EmergencyQueue(canopen::Node& node) : node_(&node) { messages_.reserve(most_messages); }
 
 void EmergencyQueue::raise(const EmergencyRow& row, std::uint8_t node_id) {
   if (row.code != 0 && messages_.size() < most_messages) messages_.push_back({&row, node_id});

@@ -14,13 +14,13 @@ namespace canopus::module {
 /// it would overtake the message that ends Initialisation.
 class EmergencyQueue {
  public:
-  EmergencyQueue(canopen::Node& node, const ModuleState& state);
+  explicit EmergencyQueue(canopen::Node& node);
 
   /// `node_id` is added to the code. Eight can wait; more are lost.
   void raise(const EmergencyRow& row, std::uint8_t node_id = 0);
   /// Sends what can go now. In a state without emergency messages all that wait are dropped.
   void send(can::Time now) {
-    if (!messages_.empty() && !state_->boot_up_waits) send_waiting(now);
+    if (!messages_.empty()) send_waiting(now);
   }
   void clear() noexcept;
   /// When send() is to be called again.
@@ -36,7 +36,6 @@ class EmergencyQueue {
   void send_waiting(can::Time now);
 
   canopen::Node* node_;
-  const ModuleState* state_;
   std::vector<Message> messages_;
   can::Alarm due_;
 };

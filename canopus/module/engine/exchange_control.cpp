@@ -28,7 +28,7 @@ void ExchangeControl::begin(bool canopen_mode, can::Time now, can::Duration dura
   if (input) data_.lift.exchange_input();
   if (by_refresh_ || (!process_data && !names_none)) return;
   running_ = true;
-  take_what_is_to_send();
+  latch_transmit_data();
 }
 
 bool ExchangeControl::end_if_due(can::Time now) {
@@ -44,11 +44,11 @@ bool ExchangeControl::end_if_due(can::Time now) {
 
 void ExchangeControl::refresh(can::Time now) {
   if (!by_refresh_ || data_.node.state() != canopen::NmtState::operational) return;
-  take_what_is_to_send();
+  latch_transmit_data();
   exchange_process_data(now);
 }
 
-void ExchangeControl::take_what_is_to_send() {
+void ExchangeControl::latch_transmit_data() {
   data_.process_data.snapshot();
   if (data_.lift.active()) data_.lift.snapshot();
 }

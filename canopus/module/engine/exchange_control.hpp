@@ -1,5 +1,5 @@
 #pragma once
-// Data exchange as the program asks for it: what is to be exchanged, that it runs, and its end. Process data
+// Data exchange as the program requests it: what is to be exchanged, that it runs, and its end. Process data
 // wait for Operational; the exchange is reported as done all the same [ME3CAN1-Q 3.3.2, 3.5.1; FX3U-CAN 6.4].
 //
 //   idle --begin()--> running --its time is over--> done
@@ -17,7 +17,7 @@
 
 namespace canopus::module {
 
-/// The data exchange control word. A choice that names nothing asks for process data and EMCYs.
+/// The data exchange control word. A choice that names nothing requests process data and EMCYs.
 struct ExchangeControlLayout {
   BufferAddress address = 0;
   std::uint16_t process_data = 0;  ///< any of these bits: process data are exchanged
@@ -66,7 +66,7 @@ class ExchangeControl final : public BufferArea {
   void reset() noexcept;
   /// Process data run, or wait for Operational; in Layer 2 as far as the word shows it.
   [[nodiscard]] bool running() const noexcept {
-    if (layout_ && layout_->at_once) return false;  // nobody has to wait
+    if (layout_ && layout_->at_once) return false;  // nothing has to wait
     return running_ || (layout_ && layout_->layer2_running != 0 && runs_in_layer2());
   }
   [[nodiscard]] can::Alarm& alarm() noexcept { return end_; }
@@ -76,7 +76,7 @@ class ExchangeControl final : public BufferArea {
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 
  private:
-  void take_what_is_to_send();
+  void latch_transmit_data();
   void exchange_process_data(can::Time now);
   [[nodiscard]] bool runs_in_layer2() const noexcept { return !canopen_mode_ && end_ != can::never; }
 

@@ -3,8 +3,8 @@
 // the stored settings, data exchange, and the areas of the buffer memory, tied to one CANopen node and its
 // NMT master, or to Layer 2. What a model's manual says of words, bits and commands is its ModuleModel.
 //
-// How the PLC program asks for something is the business of the model's request port (request_port.hpp): it
-// calls the requests below, and hears of their ends.
+// How the PLC program makes a request is the concern of the model's request port (request_port.hpp): it
+// calls the requests below, and is notified of their ends.
 
 #include <cstdint>
 #include <memory>
@@ -15,13 +15,14 @@
 
 #include "canopus/module/engine/controller_monitor.hpp"
 #include "canopus/module/engine/cpu_state_handler.hpp"
-#include "canopus/module/engine/layer2_online_state.hpp"
-#include "canopus/module/engine/module_command_host.hpp"
+#include "canopus/module/engine/exchange_control.hpp"
+#include "canopus/module/engine/layer2_mode.hpp"
 #include "canopus/module/engine/module_context.hpp"
 #include "canopus/module/engine/module_indication.hpp"
-#include "canopus/module/engine/network_events.hpp"
+#include "canopus/module/engine/module_node.hpp"
 #include "canopus/module/engine/register_words.hpp"
 #include "canopus/module/interface/communication_module.hpp"
+#include "canopus/module/memory/process_data_windows.hpp"
 
 namespace canopus::module {
 
@@ -41,58 +42,65 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
                                    std::span<const std::uint8_t> value) override;
   [[nodiscard]] std::span<const std::uint8_t> object_preset(std::uint16_t index,
                                                             std::uint8_t sub) const override {
-    return parts_.settings.object_preset(index, sub);
+    return context_.settings.object_preset(index, sub);
   }
-  [[nodiscard]] bool presets_canopen_mode() const override { return parts_.settings.presets_canopen_mode(); }
-  [[nodiscard]] bool presets_free_pdos() const override { return parts_.settings.presets_free_pdos(); }
+  [[nodiscard]] bool presets_canopen_mode() const override {
+    return context_.settings.presets_canopen_mode();
+  }
+  [[nodiscard]] bool presets_free_pdos() const override { return context_.settings.presets_free_pdos(); }
   [[nodiscard]] std::optional<BufferAddress> layer2_preset_error() const override;
   [[nodiscard]] bool takes_word(BufferAddress address, std::uint16_t value) const override;
-  [[nodiscard]] bool takes_parameters() const noexcept override { return parts_.model.takes_parameters; }
+  [[nodiscard]] bool takes_parameters() const noexcept override { return context_.model.takes_parameters; }
   bool parameter_word(BufferAddress address, std::uint16_t value) override;
   canopen::AbortCode parameter_object(std::uint16_t index, std::uint8_t sub,
                                       std::span<const std::uint8_t> value) override;
   bool parameter_concise_dcf(std::uint8_t node_id, std::vector<std::uint8_t> file) override;
-  void use_refresh() override { parts_.exchange.use_refresh(); }
+  void use_refresh() override { exchange_.use_refresh(); }
   void refresh(can::Time now) override;
   [[nodiscard]] std::optional<InitialNode> initial_node() override;
   [[nodiscard]] const ProgramInterface& program_interface() const noexcept override {
-    return parts_.model.program_interface;
+    return context_.model.program_interface;
   }
-  [[nodiscard]] const canopen::Node& node() const noexcept override { return parts_.node; }
-  [[nodiscard]] std::uint64_t change_count() const noexcept override { return parts_.change_count; }
-  [[nodiscard]] Layer2State layer2_state() const noexcept override { return parts_.layer2_state(); }
+  [[nodiscard]] const canopen::Node& node() const noexcept override { return node_.node(); }
+  [[nodiscard]] std::uint64_t change_count() const noexcept override {
+    return node_.change_count() + layer2_frames_;
+  }
+  [[nodiscard]] Layer2State layer2_state() const noexcept override {
+    if (context_.state.canopen_mode()) return Layer2State::inactive;
+    return layer2_.online() ? Layer2State::online : Layer2State::offline;
+  }
   [[nodiscard]] std::vector<ModuleEventRecord> event_history() const override {
-    return {parts_.diagnostics.history().begin(), parts_.diagnostics.history().end()};
+    return {context_.diagnostics.history().begin(), context_.diagnostics.history().end()};
   }
   [[nodiscard]] std::vector<ModuleErrorRecord> module_errors() const override {
-    return parts_.diagnostics.errors();
+    return context_.diagnostics.errors();
   }
-  [[nodiscard]] std::vector<canopen::Emergency> kept_emergencies() const override;
+  [[nodiscard]] std::vector<canopen::Emergency> emergency_history() const override;
   [[nodiscard]] std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) const override {
-    return parts_.concise_dcfs.file(node_id);
+    return node_.concise_dcf(node_id);
   }
-  bool clear_module_errors() override { return parts_.diagnostics.clear_minor(); }
+  bool clear_module_errors() override { return context_.diagnostics.clear_minor(); }
   [[nodiscard]] ModuleInformation information() const override;
   [[nodiscard]] std::vector<Led> leds(can::Time now) const override {
-    return leds_of(parts_, last_frame_, now);
+    return leds_of({context_, node_, layer2_, cpu_}, last_frame_, now);
   }
   [[nodiscard]] std::vector<SlaveBootRecord> boots() const override;
   [[nodiscard]] std::uint32_t flash_writes() const noexcept override {
-    return parts_.settings.flash().writes();
+    return context_.settings.flash().writes();
   }
 
   // Module
-  [[nodiscard]] std::string_view model() const noexcept override { return parts_.model.data_sheet->model; }
-  [[nodiscard]] unsigned points() const noexcept override { return parts_.model.data_sheet->points; }
+  [[nodiscard]] std::string_view model() const noexcept override { return context_.model.data_sheet->model; }
+  [[nodiscard]] unsigned points() const noexcept override { return context_.model.data_sheet->points; }
   [[nodiscard]] ProductInformation product() const noexcept override;
   [[nodiscard]] StartUp start_up() const noexcept override;
   [[nodiscard]] BufferMemoryAccess* buffer_memory() noexcept override {
-    return parts_.model.buffer_memory_size == 0 ? nullptr : this;
+    return context_.model.buffer_memory_size == 0 ? nullptr : this;
   }
   [[nodiscard]] RegisterAccess* registers() noexcept override {
-    return parts_.model.registers.empty() ? nullptr : &registers_;
+    return context_.model.registers.empty() ? nullptr : &registers_;
   }
-  [[nodiscard]] SignalAccess* signals() noexcept override { return parts_.port->signals(); }
+  [[nodiscard]] SignalAccess* signals() noexcept override { return context_.port->signals(); }
   void power_on(can::Time now) override;
   void power_off(can::Time now) override;
   void cpu_changed(CpuState state, can::Time now) override;
@@ -102,10 +110,10 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
 
   // BufferMemoryAccess
   [[nodiscard]] BufferAddress buffer_memory_size() const noexcept override {
-    return parts_.model.buffer_memory_size;
+    return context_.model.buffer_memory_size;
   }
   [[nodiscard]] std::uint16_t peek(BufferAddress address, can::Time now) const override {
-    return parts_.state.phase == Phase::off ? std::uint16_t{0} : parts_.buffer.peek(address, now);
+    return context_.state.phase == Phase::off ? std::uint16_t{0} : context_.buffer.peek(address, now);
   }
   [[nodiscard]] std::uint16_t program_read(BufferAddress address, can::Time now) override;
   void write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
@@ -120,7 +128,7 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   /// As the data exchange control word says.
   void begin_exchange(can::Time now);
   /// Process data run, or wait for Operational.
-  [[nodiscard]] bool exchanging() const noexcept { return parts_.exchange.running(); }
+  [[nodiscard]] bool exchanging() const noexcept { return exchange_.running(); }
   void begin_restart(can::Time now);
   /// As the save/restore word says.
   void begin_save(can::Time now);
@@ -130,8 +138,8 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   void set_clock(can::Time now);
   void read_clock(can::Time now);
   void go_online(can::Time now);
-  void go_offline(can::Time now) { layer2_bus_.go_offline(now); }
-  void request_trigger(bool on) { parts_.layer2.request_trigger(on); }
+  void go_offline(can::Time now) { layer2_.go_offline(now); }
+  void request_trigger(bool on) { layer2_.request_trigger(on); }
   /// Errors, failures and messages that come while these are held are cleared at once.
   void hold_clear_errors(bool held, can::Time now);
   void hold_clear_emergencies(bool held, can::Time now);
@@ -144,17 +152,23 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   void update(can::Time now);
 
   // --- for the request port: what is
-  [[nodiscard]] const ModuleModel& description() const noexcept { return parts_.model; }
-  [[nodiscard]] const Profile& profile() const noexcept { return parts_.profile; }
-  [[nodiscard]] const ModuleState& state() const noexcept { return parts_.state; }
-  [[nodiscard]] bool any_error() const noexcept { return parts_.errors.any(); }
-  [[nodiscard]] bool any_nmt_error() const noexcept { return parts_.any_nmt_error(); }
-  [[nodiscard]] bool any_emergency() const noexcept {
-    return parts_.state.canopen_mode() && !parts_.emergencies.empty();
+  [[nodiscard]] const ModuleModel& description() const noexcept { return context_.model; }
+  [[nodiscard]] const Profile& profile() const noexcept { return context_.profile; }
+  [[nodiscard]] const ModuleState& state() const noexcept { return context_.state; }
+  /// No program may use the module: settings are being put in force, or the node is in an NMT reset.
+  [[nodiscard]] bool initializing() const noexcept {
+    return context_.state.initializing() || node_.is_resetting();
   }
-  [[nodiscard]] bool trigger_done() const noexcept { return parts_.layer2.trigger_done(); }
+  [[nodiscard]] bool any_error() const noexcept { return context_.errors.any(); }
+  [[nodiscard]] bool any_nmt_error() const noexcept {
+    return context_.state.canopen_mode() && node_.any_failure();
+  }
+  [[nodiscard]] bool any_emergency() const noexcept {
+    return context_.state.canopen_mode() && !node_.received_emergencies().empty();
+  }
+  [[nodiscard]] bool trigger_done() const noexcept { return layer2_.slots().trigger_done(); }
   /// For a port with words of its own.
-  [[nodiscard]] BufferMemory& memory() noexcept { return parts_.buffer; }
+  [[nodiscard]] BufferMemory& memory() noexcept { return context_.buffer; }
 
  private:
   using Phase = ModuleState::Phase;
@@ -162,48 +176,44 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   void stop(Phase phase, can::Time now);
   void fail(can::Time now);
   void begin_initialization(can::Duration duration, can::Time now);
-  /// Gives the node the dictionary of the function mode.
-  void describe_node();
   /// What the CPU has for the module, while it initializes.
-  void take_parameters(can::Time now);
+  void load_parameters(can::Time now);
   void end_due_initialization(can::Time now);
   [[nodiscard]] bool configuration_is_faulty(can::Time now);
   void end_save(can::Time now);
   void end_bad_settings();
-  void look_at_words();
+  void check_words();
   /// Operational, or Layer 2 online.
   [[nodiscard]] bool is_online() const noexcept {
-    if (!parts_.state.running()) return false;
-    return parts_.state.canopen_mode() ? parts_.node.state() == canopen::NmtState::operational
-                                       : parts_.layer2.online();
+    if (!context_.state.running()) return false;
+    return context_.state.canopen_mode() ? node_.state() == canopen::NmtState::operational : layer2_.online();
   }
   /// A word that a module with a faulty stored object dictionary takes.
   [[nodiscard]] bool is_writable_while_stuck(BufferAddress address) const noexcept;
   void note_access(BufferAddress address, can::Time now) {
-    if (!parts_.state.works()) return;
-    parts_.state.last_access = now;
-    parts_.watchdog.accessed(address, is_online(), now);
+    if (!context_.state.works()) return;
+    context_.state.last_access = now;
+    context_.watchdog.accessed(address, is_online(), now);
   }
   void end_sending(const can::Frame& frame);
-  void end_initialisation_of_node(const can::Frame& frame, can::Time now);
   void find_errors_again(can::Time now);
-  void receive_pdo(const can::Frame& frame, can::Time now);
-  void receive_other(const can::Frame& frame, can::Time now);
-  void update_after_frame(can::Time now);
+  void apply_layer2_bit_rate();
 
-  ModuleCommandHost command_host_{parts_};
-  ModuleContext parts_;
+  ModuleContext context_;
+  ControllerMonitor controller_;
+  ModuleNode node_;
+  Layer2Mode layer2_;
+  ProcessDataWindows windows_;
+  ExchangeControl exchange_;
   RegisterWords registers_;
-  ControllerMonitor controller_side_{parts_};
-  CpuStateHandler cpu_side_{parts_};
-  Layer2OnlineState layer2_bus_{parts_, controller_side_};
-  NetworkEvents network_events_{parts_, cpu_side_, controller_side_, *this};
-  ChangeLog change_log_{parts_};
+  CpuStateHandler cpu_{context_, node_, layer2_};
+  ChangeLog change_log_{context_, node_, layer2_};
 
   bool restarting_ = false;
   bool takes_files_ = false;            // the supply came: concise DCFs of the CPU's parameters are stored
   bool controller_sends_last_ = false;  // off the bus after the message that says that the module restarts
-  bool save_is_refused_ = false;        // for Layer 2 is online: as long as it is asked for
+  bool save_is_refused_ = false;        // as Layer 2 is online: as long as it is requested
+  std::uint64_t layer2_frames_ = 0;     // received
   can::Time last_frame_{};              // sent or received
   can::Alarm initialized_at_;
 };

@@ -103,7 +103,7 @@ struct CpuRules {
   bool run_ends_error = false;
   /// STOP takes Layer 2 offline, after its messages [FX3U-CAN 11].
   bool stop_ends_layer2 = false;
-  /// The module does not know whether the CPU runs: a program that has stopped uses no words [FX2N-32CAN 4.2.5].
+  /// The module does not see whether the CPU runs: a program that has stopped uses no words [FX2N-32CAN 4.2.5].
   bool is_unknown = false;
   /// The access watchdog leaves the NMT state alone, and its emergency message is for Operational [FX2N-32CAN 4.2.7].
   bool watchdog_keeps_state = false;
@@ -121,7 +121,7 @@ struct ModuleModel {
   /// Registers of the CPU that are the module's; their numbers are addresses of `buffer_memory`.
   std::span<const RegisterRange> registers{};
   std::span<const FunctionModeRow> function_modes{};
-  /// How a program asks: requests_by_signals with `signals`, requests_by_words with `request_words`, or a port of
+  /// How a program makes requests: requests_by_signals with `signals`, requests_by_words with `request_words`, or a port of
   /// the model's own. Made once per module.
   std::unique_ptr<RequestPort> (*request_port)(ModuleEngine& engine) = nullptr;
   std::span<const SignalRow> signals{};

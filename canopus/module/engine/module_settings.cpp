@@ -73,8 +73,10 @@ bool ModuleSettings::preset_node_id(std::uint8_t node_id) {
   return true;
 }
 
-std::uint16_t ModuleSettings::bit_rate() const {
-  if (model_->settings.baud_rate) return buffer_->word(*model_->settings.baud_rate);
+std::uint16_t ModuleSettings::bit_rate() const { return bit_rate(*buffer_); }
+
+std::uint16_t ModuleSettings::bit_rate(const BufferMemory& buffer) const {
+  if (model_->settings.baud_rate) return buffer.word(*model_->settings.baud_rate);
   return factory_bit_rate_.value_or(model_->factory.bit_rate);
 }
 
@@ -122,7 +124,7 @@ canopen::AbortCode ModuleSettings::parameter_object(std::uint16_t index, std::ui
 
 canopen::AbortCode ModuleSettings::check_object(std::uint16_t index, std::uint8_t sub,
                                                 std::span<const std::uint8_t> value) const {
-  // The services' handlers are not asked: the order of the presets must not matter.
+  // The services' handlers are not called: the order of the presets must not matter.
   const auto description = model_->dictionary_of(preset_mode());
   const canopen::ObjectDescription* object = description->find(index);
   if (object == nullptr) return canopen::AbortCode::no_object;
@@ -191,13 +193,16 @@ const FunctionModeRow* ModuleSettings::use_words(const StoredWords& words, Buffe
   return buffer.apply_stored(words) ? &*mode : nullptr;
 }
 
-ModuleSettings::Found ModuleSettings::look() {
+ModuleSettings::Found ModuleSettings::read_flash() {
   BufferMemory buffer(model_->buffer_memory);
   const auto words = stored_words();
   const FunctionModeRow* mode = words ? use_words(*words, buffer) : nullptr;
   if (mode == nullptr) mode = use_words({}, buffer);
   if (mode->kind == FunctionModeRow::Kind::canopen) buffer.apply_stored(parameters_.words);
-  return {.mode = mode, .node_id = node_id(buffer), .objects = stored_objects().bytes};
+  return {.mode = mode,
+          .node_id = node_id(buffer),
+          .bit_rate = bit_rate(buffer),
+          .objects = stored_objects().bytes};
 }
 
 std::optional<canopen::Entry> ModuleSettings::faulty_mapping(std::uint8_t node_id) {
@@ -250,7 +255,7 @@ canopen::AbortCode ModuleSettings::ObjectStore::save(std::span<const std::uint8_
                                                         : canopen::AbortCode::hardware_error;
 }
 
-// The objects of a dictionary of its own are told by the device type before them; it is no stored object, so no start puts
+// The objects of a dictionary of its own are recognised by the device type before them; it is no stored object, so no start puts
 // it in.
 void ModuleSettings::mark(std::vector<std::uint8_t>& objects) const {
   if (mode_ == nullptr || mode_->object_dictionary == nullptr) return;

@@ -56,10 +56,11 @@ class ModuleSettings {
   struct Found {
     const FunctionModeRow* mode = nullptr;
     std::uint8_t node_id = 0;
+    std::uint16_t bit_rate = 0;  ///< kbit/s
     std::vector<std::uint8_t> objects{};
   };
   /// Looks at what a start would find, and changes nothing: no mark of an interrupted save is taken away.
-  [[nodiscard]] Found look();
+  [[nodiscard]] Found read_flash();
   /// The first mapping of the stored object dictionary that the module cannot work with.
   [[nodiscard]] std::optional<canopen::Entry> faulty_mapping(std::uint8_t node_id);
 
@@ -123,6 +124,7 @@ class ModuleSettings {
   void make_images();
   const FunctionModeRow* use_words(const StoredWords& words, BufferMemory& buffer) const;
   [[nodiscard]] std::uint8_t node_id(const BufferMemory& buffer) const;
+  [[nodiscard]] std::uint16_t bit_rate(const BufferMemory& buffer) const;
 
   const ModuleModel* model_;
   NonVolatileMemory* memory_;

@@ -2,8 +2,8 @@
 // Where the PLC program's requests come from and their answers go. The engine (module_engine.hpp) owns the port
 // of its model and knows no other way to the program:
 //
-//   by signals        Yn asks, Xn answers                             signal_port.hpp
-//   by bits of words  bits written as 1 ask and go back to 0          word_port.hpp
+//   by signals        Yn requests, Xn answers                             signal_port.hpp
+//   by bits of words  bits written as 1 request and go back to 0          word_port.hpp
 //   by registers      an area of the model's own: it is a port, too   RegisterAccess
 //
 // A port calls the requests of the engine; the engine calls the functions here. A port overrides what it needs.
@@ -22,7 +22,7 @@ struct BootRecord;
 
 namespace canopus::module {
 
-/// What a program asks for and waits for.
+/// What a program requests and waits for.
 enum class Request : std::uint8_t { data_exchange, command, save_restore, set_clock, read_clock };
 
 /// What a signal pair (Yn of the program, Xn of the module) or bits of a word are for.
@@ -36,7 +36,7 @@ enum class RequestUse : std::uint8_t {
   read_clock,
   command,
   save_restore,
-  // Y asks as long as it is ON; X shows what is.
+  // Y requests as long as it is ON; X shows the state.
   online,
   transmit_trigger,
   // X shows that there is something; Y clears it, and keeps it clear while ON.
@@ -58,7 +58,7 @@ class RequestPort {
   virtual void set_observer(ModuleObserver* /*observer*/) {}
 
   // --- requests
-  /// The program wrote a word, and it was taken: what it asked for by that is to be carried out.
+  /// The program wrote a word, and it was accepted: the request that it makes is to be carried out.
   virtual void serve(can::Time /*now*/) {}
   /// The request is carried out.
   virtual void done(Request /*request*/, can::Time /*now*/) {}
@@ -77,7 +77,7 @@ class RequestPort {
   /// After every event: something may have changed that the program sees.
   virtual void show(can::Time /*now*/) {}
 
-  // --- what is heard of the network, for areas of the model's own
+  // --- reports of the network, for areas of the model's own
   virtual void emergency_received(const canopen::Emergency& /*message*/, can::Time /*now*/) {}
   virtual void boot_went_on(std::uint8_t /*node_id*/, const manager::BootRecord&, can::Time /*now*/) {}
   /// NmtMaster::error_control(node_id) changed.

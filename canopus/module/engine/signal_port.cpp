@@ -45,7 +45,7 @@ void SignalPort::rising(const SignalRow& row, can::Time now) {
   // it ends.
   const bool may_restart = row.use == RequestUse::restart && engine_.state().phase != Phase::initializing;
   const bool may_command = row.use == RequestUse::command && engine_.state().phase == Phase::stuck;
-  if (engine_.state().initializing() && !may_restart && !may_command) return;
+  if (engine_.initializing() && !may_restart && !may_command) return;
   if ((row.modes & engine_.state().mode->bit) == 0) return;
   switch (row.use) {
     case RequestUse::data_exchange: return engine_.begin_exchange(now);

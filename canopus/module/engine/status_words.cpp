@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "canopus/module/engine/layer2_mode.hpp"
+
 namespace canopus::module {
 
 namespace {
@@ -49,7 +51,7 @@ unsigned StatusWords::communication_status() const {
   const CommunicationStatusBits& bits = layout_.bits;
   const ModuleState& state = sources_.state;
   unsigned status = 0;
-  if (state.initializing()) status |= bits.initialization;
+  if (state.initializing() || sources_.is_resetting) status |= bits.initialization;
   if (nmt_reset_seen_) status |= bits.nmt_reset_seen;
   if (time_seen_) status |= bits.time_seen;
   if (!state.running()) return status;
@@ -61,7 +63,7 @@ unsigned StatusWords::communication_status() const {
     if (sources_.layer2.online()) status |= bits.layer2_online;
     return status;
   }
-  if (!state.nmt_resetting) status |= bits.online;
+  if (!sources_.is_resetting) status |= bits.online;
   switch (sources_.node.state()) {
     case canopen::NmtState::operational: status |= bits.operational | bits.operational_state; break;
     case canopen::NmtState::pre_operational: status |= bits.pre_operational_state; break;

@@ -8,11 +8,12 @@
 #include "canopus/can/controller.hpp"
 #include "canopus/canopen/node/node.hpp"
 #include "canopus/manager/nmt/nmt_master.hpp"
-#include "canopus/module/layer2/layer2.hpp"
 #include "canopus/module/memory/buffer_memory.hpp"
 #include "canopus/module/memory/module_state.hpp"
 
 namespace canopus::module {
+
+class Layer2Mode;
 
 /// Bits of the communication status word; 0: the model has no such bit.
 struct CommunicationStatusBits {
@@ -48,12 +49,13 @@ class StatusWords final : public BufferArea {
   /// What the words show.
   struct Sources {
     const ModuleState& state;
+    const bool& is_resetting;  ///< the node is in an NMT reset
     const can::Controller& controller;
     const canopen::Node& node;
     const manager::NmtMaster& master;
-    const Layer2& layer2;
+    const Layer2Mode& layer2;
   };
-  /// Everything must outlive it.
+  /// Everything must outlive it, and may be under construction.
   StatusWords(const std::optional<StatusWordsLayout>& layout, BufferMemory& memory, const Sources& sources);
 
   /// The node has been reset by an NMT command; shown until the program takes note, or the next reset.

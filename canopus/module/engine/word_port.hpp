@@ -1,9 +1,9 @@
 #pragma once
-// Requests by bits of words: what is written as 1 asks, and goes back to 0 when it is done [FX3U-CAN 6.4, 6.6,
+// Requests by bits of words: what is written as 1 requests, and goes back to 0 when it is done [FX3U-CAN 6.4, 6.6,
 // 6.8, 6.19, 10.1]. Which word is for what is the model's table.
 //
 // The port is registered for the words of its table, in front of the areas that own them: an area keeps saying
-// what its word reads and what a write does to it; the port adds what the write asks for.
+// what its word reads and what a write does to it; the port adds what the write requests.
 
 #include <cstdint>
 #include <memory>
@@ -22,9 +22,9 @@ class ModuleEngine;
 struct RequestWordRow {
   BufferAddress word = 0;
   RequestUse use = RequestUse::none;
-  /// A write with any of them 1 asks; without bits every write does. `online`: lasts until all of them are
-  /// written as 0, and reads what was asked for. `nmt_error`: asks with a 0. `read_clock`: reading the word
-  /// asks.
+  /// A write with any of them 1 requests; without bits every write does. `online`: lasts until all of them are
+  /// written as 0, and reads what was requested. `nmt_error`: requests with a 0. `read_clock`: reading the word
+  /// requests.
   std::optional<std::uint16_t> bits{};
   Modes modes = every_mode;  ///< function modes in which it means something
 };
@@ -39,7 +39,7 @@ class WordPort final : public RequestPort, public BufferArea {
 
   [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) const override;
   void program_reads(BufferAddress address, can::Time now) override;
-  /// Ignored while the data exchange runs that this word asked for [FX3U-CAN 6.4].
+  /// Ignored while the data exchange runs that this word requested [FX3U-CAN 6.4].
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 
  private:

@@ -9,6 +9,6 @@ namespace canopus::module {
 std::vector<SlaveBootRecord> CommunicationModule::boots() const { return {}; }
 std::vector<ModuleEventRecord> CommunicationModule::event_history() const { return {}; }
 std::vector<ModuleErrorRecord> CommunicationModule::module_errors() const { return {}; }
-std::vector<canopen::Emergency> CommunicationModule::kept_emergencies() const { return {}; }
+std::vector<canopen::Emergency> CommunicationModule::emergency_history() const { return {}; }
 
 }  // namespace canopus::module

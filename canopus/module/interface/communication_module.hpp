@@ -1,6 +1,6 @@
 #pragma once
 // A CANopen communication module of any make, as a plant sees it: beside what the PLC does to it (Module),
-// its factory settings, what a PLC program has to know to work with it, and what there is to look at.
+// its factory settings, what a PLC program needs to work with it, and its state for displays.
 
 #include <cstdint>
 #include <optional>
@@ -86,13 +86,14 @@ class CommunicationModule : public Module {
     std::uint8_t node_id = 0;
     canopen::ObjectDictionary objects;
     bool produces_sync = false;
+    std::uint32_t bit_rate = 0;              ///< bit/s
     std::vector<std::uint8_t> configures{};  ///< slaves that it configures when it boots them (1F22H)
   };
   /// Nothing when it makes none, as in a Layer 2 mode. Changes nothing, whatever it finds in the memory. To be
   /// called while the module is off.
   [[nodiscard]] virtual std::optional<InitialNode> initial_node() { return std::nullopt; }
 
-  /// What a PLC program has to know.
+  /// What a PLC program needs.
   [[nodiscard]] virtual const ProgramInterface& program_interface() const noexcept = 0;
 
   // --- for display
@@ -111,7 +112,7 @@ class CommunicationModule : public Module {
   virtual bool clear_module_errors() { return true; }
   [[nodiscard]] virtual ModuleInformation information() const { return {}; }
   /// Emergency messages of other nodes that it keeps for the program, oldest first.
-  [[nodiscard]] virtual std::vector<canopen::Emergency> kept_emergencies() const;
+  [[nodiscard]] virtual std::vector<canopen::Emergency> emergency_history() const;
   /// The concise DCF that it keeps for a slave (1F22H); empty: none. Valid until the module gets another one.
   [[nodiscard]] virtual std::span<const std::uint8_t> concise_dcf(std::uint8_t /*node_id*/) const {
     return {};

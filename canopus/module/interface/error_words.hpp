@@ -1,6 +1,6 @@
 #pragma once
-// What the words and registers of a module say of its errors, as its manual explains them: facts of a model, in its folder. Who puts
-// them into sentences is plant/catalogue/error_history.hpp.
+// Meaning of the words and registers of a module that show errors, as its manual explains it: facts of a model, in its folder.
+// plant/catalogue/error_history.hpp makes sentences of them.
 
 #include <cstdint>
 #include <span>

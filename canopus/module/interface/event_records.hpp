@@ -1,5 +1,5 @@
 #pragma once
-// What a module says of itself to its CPU: lines of the event history and of module diagnostics.
+// What a module reports to its CPU: lines of the event history and of module diagnostics.
 
 #include <array>
 #include <cstdint>

@@ -32,7 +32,7 @@ class BufferMemoryAccess {
   /// What TO writes. A write that the module refuses changes nothing but its error words; the PLC is not notified.
   virtual void write_word(BufferAddress address, std::uint16_t value, can::Time now) = 0;
   /// A FROM or TO of the program, or an access that stands for one, is over: so many words from `first` on. Modules
-  /// that watch the program retrigger their watchdog [FX3U-CAN 6.9, FX2N-32CAN 4.2.5]; what others look at for
+  /// that watch the program retrigger their watchdog [FX3U-CAN 6.9, FX2N-32CAN 4.2.5]; what others read for
   /// people is none.
   virtual void accessed(BufferAddress /*first*/, std::uint32_t /*words*/, can::Time /*now*/) {}
 
@@ -92,7 +92,7 @@ class Module : public can::Participant {
     return {.model = model(), .points = points()};
   }
 
-  /// A program knows by the status words, and by those of its slaves.
+  /// A program sees it in the status words, and in those of its slaves.
   [[nodiscard]] virtual StartUp start_up() const noexcept { return StartUp::none; }
 
   [[nodiscard]] virtual BufferMemoryAccess* buffer_memory() noexcept { return nullptr; }
@@ -109,7 +109,7 @@ class Module : public can::Participant {
   /// The CPU changed between RUN and STOP.
   virtual void cpu_changed(CpuState state, can::Time now) = 0;
 
-  /// Who gets the reports of signals, writes and errors from now on; nullptr = nobody. It must outlive the module
+  /// The receiver of reports of signals, writes and errors from now on; nullptr: none. It must outlive the module
   /// or be taken out.
   virtual void set_observer(ModuleObserver* observer) = 0;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// What a module, its rack and a plant file say of the CPU, of signals, of buffer memory and of faults.
+// Types that a module, its rack and a plant file share: of the CPU, of signals, of buffer memory and of faults.
 
 #include <cstdint>
 

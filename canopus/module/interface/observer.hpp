@@ -1,6 +1,6 @@
 #pragma once
 // Who watches a module from outside: the live table, the JSON lines, a trace. Everything is reported as it
-// happens, on the loop the module lives on; nothing is asked back.
+// happens, on the loop the module lives on; it returns nothing.
 
 #include <cstdint>
 #include <string_view>
@@ -24,7 +24,7 @@ class ModuleObserver {
   /// The CPU's write reached the buffer memory (a refused one does not).
   virtual void buffer_written(std::uint32_t /*address*/, std::uint16_t /*value*/, can::Time) {}
   /// The module is the active NMT master, and the boot of this slave is at another step, or at another object
-  /// of the same one (manager::explain() says it in words).
+  /// of the same one (manager::explain() has the text).
   virtual void slave_boot_went_on(std::uint8_t /*node_id*/, const manager::BootRecord&, can::Time) {}
   /// The module found something wrong: one line for a person ("G24 = 300: not a baud rate").
   virtual void error_raised(std::string_view /*what*/, can::Time) {}

@@ -1,5 +1,5 @@
 #pragma once
-// What the engineering tools have written to the CPU for a module, and the CPU gives it at each start, before it looks at what
+// What the engineering tools have written to the CPU for a module, and the CPU gives it at each start, before it evaluates what
 // it has saved itself [RJ71CN91 2.2 to 2.4, App. 2 G22].
 
 #include <cstdint>

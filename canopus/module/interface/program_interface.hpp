@@ -1,5 +1,5 @@
 #pragma once
-// What a PLC program has to know of a module: which signals or bits ask for what, and where the process data
+// What a PLC program needs of a module: which signals or bits request what, and where the process data
 // lie. Facts of a model, in its folder.
 
 #include <cstddef>
@@ -16,7 +16,7 @@ struct ProgramRequest {
     none,    ///< the module has no such request
     signal,  ///< Yn ON; Xn is ON when it is done, and OFF once Yn is
     bits,    ///< the bits are written as 1; the module takes them back to 0 when it is done
-    write,   ///< the bits are written as 1 and that is all: read, they say something else [FX2N-32CAN 4.2.2]
+    write,   ///< the bits are written as 1 and that is all: read, they mean something else [FX2N-32CAN 4.2.2]
   };
   Kind kind = Kind::none;
   unsigned signal = 0;

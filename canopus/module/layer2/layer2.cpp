@@ -221,7 +221,7 @@ void Layer2::receive(const can::Frame& frame, can::Time now) {
   for (unsigned slot = 0; slot < layer2_slots; ++slot) {
     ReceiveSlot& own = receive_[slot];
     if (!own.active || ((frame.identifier ^ own.identifier) & ~own.mask) != 0) continue;
-    if (!std::exchange(counted, true)) lost = !take_message(now);
+    if (!std::exchange(counted, true)) lost = !receive_message(now);
     if (lost) {
       memory_->set_word(layout_->error_codes + slot, slot_error::receive_overflow);
     } else {
@@ -230,7 +230,7 @@ void Layer2::receive(const can::Frame& frame, can::Time now) {
   }
 }
 
-bool Layer2::take_message(can::Time now) {
+bool Layer2::receive_message(can::Time now) {
   const can::Time begin = std::max(now, receive_busy_until_);
   if (begin - now > rules_.message_time * (rules_.waiting_messages - 1)) return false;
   receive_busy_until_ = begin + rules_.message_time;
@@ -246,7 +246,7 @@ void Layer2::store(ReceiveSlot& slot, const can::Frame& frame) {
   slot.stored = frame;
 }
 
-// Flags that the program has not taken away stay, and say that it has not seen the message before this one.
+// Flags that the program has not cleared stay, and mean that it has not seen the message before this one.
 void Layer2::show(unsigned slot) {
   ReceiveSlot& own = receive_[slot];
   if (own.flags == 0) return;

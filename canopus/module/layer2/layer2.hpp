@@ -60,7 +60,7 @@ class Layer2 final : public BufferArea {
 
   /// Takes what the PLC has written to the transmit slots; exchange() will use it.
   void snapshot();
-  /// What was taken is sent where the transmission type says so, received messages go into the words.
+  /// What was latched is sent where the transmission type requires it, received messages go into the words.
   void exchange();
   /// Trigger request: ON sends the slots whose trigger flags are set, one after another as the controller has
   /// room.
@@ -132,7 +132,7 @@ class Layer2 final : public BufferArea {
   void store(ReceiveSlot& slot, const can::Frame& frame);
   void show(unsigned slot);
   /// False: the receive processing is too far behind.
-  bool take_message(can::Time now);
+  bool receive_message(can::Time now);
   WriteResult write_block(BufferAddress address, std::uint16_t value);
   [[nodiscard]] bool flag(BufferAddress first, unsigned slot) const noexcept;
   void set_flag(BufferAddress first, unsigned slot, bool on);

@@ -51,9 +51,9 @@ struct Layer2Rules {
   bool clears_receive_words = false;
   /// No two transmit slots may have the same CAN-ID.
   bool unique_transmit_identifiers = false;
-  /// Slots that send remote frames cannot have a transmission type that looks for changed data (1 and 3).
+  /// Slots that send remote frames cannot have a transmission type that detects changed data (1 and 3).
   bool remote_frames_have_no_changes = false;
-  /// The overflow flag says that new data were not taken away; else that a message was not.
+  /// The overflow flag means that new data were not fetched; else that a message was not.
   bool overflow_is_of_new_data = false;
   /// The bit rate word is taken over on going online, and bus-off is left then [RJ71CN91 App. 1 Y3, App. 2 G24].
   bool online_applies_bit_rate = false;
@@ -126,7 +126,7 @@ class Layer2Settings {
     const std::uint16_t units = word(parameters(slot) + 3);
     return units == 0 && rules_.cycle_of_zero ? *rules_.cycle_of_zero : rules_.cycle_unit * units;
   }
-  /// A remote frame counts only if it asks for as many bytes as the slot has (bit 12).
+  /// A remote frame counts only if it requests as many bytes as the slot has (bit 12).
   [[nodiscard]] bool strict_dlc(unsigned slot) const noexcept;
   /// The frame that a transmit slot's words describe.
   [[nodiscard]] can::Frame frame(unsigned slot) const noexcept;

@@ -98,7 +98,7 @@ enum class WriteResult : std::uint8_t {
   refused,  ///< not now: configuration while online
 };
 
-/// Words with a behaviour of their own. They are asked after the table's check.
+/// Words with a behaviour of their own. They are called after the table's check.
 class BufferArea {
  public:
   [[nodiscard]] virtual std::uint16_t read_word(BufferAddress address, can::Time now) const = 0;
@@ -127,7 +127,7 @@ class BufferMemory {
   [[nodiscard]] bool online() const noexcept { return online_; }
   /// Gives first..last, as far as they are in the table, to an area.
   void attach(BufferAddress first, BufferAddress last, BufferArea& area);
-  /// Who owns the word; nullptr: nobody, it is a plain one.
+  /// The owner of the word; nullptr: none, it is a plain one.
   [[nodiscard]] BufferArea* area(BufferAddress address) const noexcept {
     const std::uint8_t number = address < area_of_.size() ? area_of_[address] : std::uint8_t{0};
     return number == 0 ? nullptr : areas_[number - 1U];
@@ -139,7 +139,7 @@ class BufferMemory {
   [[nodiscard]] std::uint16_t program_read(BufferAddress address, can::Time now);
   /// TO.
   WriteResult write(BufferAddress address, std::uint16_t value, can::Time now);
-  /// What write() would say for this row of any mode, areas not asked (settings given before power-on).
+  /// The result of write() for this row of any mode, without the areas (settings given before power-on).
   [[nodiscard]] WriteResult check(BufferAddress address, std::uint16_t value, Modes mode) const noexcept;
   /// The row an access would be checked against, or nullptr.
   [[nodiscard]] const BufferRow* row(BufferAddress address, WordAccess direction) const noexcept;

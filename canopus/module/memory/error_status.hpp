@@ -1,7 +1,7 @@
 #pragma once
 // What is wrong with a module, and the words that show it: one of bits, some latched until the program clears
 // them, some following their cause; and those that hold the address of the first bad write. Which error is
-// which bit is the model's layout. A module without such words still knows its errors.
+// which bit is the model's layout. A module without such words has errors, too.
 
 #include <array>
 #include <cstdint>
@@ -23,7 +23,7 @@ enum class ModuleError : std::uint8_t {
   node_failure,    ///< error control of some node (NmtStatus::any_failure)
   error_passive,
   message_slot,       ///< messages of a Layer 2 slot were lost
-  save_while_online,  ///< save or restore was asked for while Layer 2 is online
+  save_while_online,  ///< save or restore was requested while Layer 2 is online
   access_watchdog,    ///< the program has not used the data words for too long
   baud_rate_change,   ///< the last value written as bit rate is none
   node_address_change,
@@ -110,7 +110,7 @@ class ErrorStatus final : public BufferArea {
   }
   /// These words make no sense, from this one on: an invalid value.
   void found_wrong(WordGroup group, BufferAddress address);
-  /// found_wrong() was the last that was said of these words.
+  /// found_wrong() was the last report on these words.
   [[nodiscard]] bool is_wrong(WordGroup group) const noexcept { return wrong_[index(group)].has_value(); }
   /// They make sense.
   void found_good(WordGroup group);

@@ -1,6 +1,6 @@
 #pragma once
 // The function modes of a module (CANopen, or plain CAN with 11- or 29-bit identifiers: Layer 2), and its phase. The engine
-// (module_engine.hpp) and the listener of its node (network_events.hpp) change it; all others only read it.
+// (module_engine.hpp) changes it; all others only read it.
 
 #include <cstdint>
 #include <memory>
@@ -37,19 +37,15 @@ struct ModuleState {
   Phase phase = Phase::off;
   const FunctionModeRow* mode = nullptr;  ///< the function mode in use
   std::uint16_t bit_rate = 250;           ///< in force, kbit/s
-  CpuState cpu = CpuState::run;
-  bool nmt_resetting = false;   ///< the node is in an NMT reset
-  bool hardware_fault = false;  ///< until the supply goes off
-  bool cpu_fault = false;       ///< an error of the CPU, until its next RUN
-  bool boot_up_waits = false;   ///< the node's boot-up message is not on the wire yet
-  can::Time last_access{};      ///< of the program to a word
+  bool hardware_fault = false;            ///< until the supply goes off
+  can::Time last_access{};                ///< of the program to a word
 
   [[nodiscard]] bool running() const noexcept { return phase == Phase::running; }
   /// It has a supply, and has not failed.
   [[nodiscard]] bool works() const noexcept { return phase != Phase::off && phase != Phase::failed; }
   /// No program may use the module: settings are being put in force.
   [[nodiscard]] bool initializing() const noexcept {
-    return phase == Phase::initializing || phase == Phase::stuck || nmt_resetting;
+    return phase == Phase::initializing || phase == Phase::stuck;
   }
   [[nodiscard]] bool canopen_mode() const noexcept { return mode->kind == FunctionModeRow::Kind::canopen; }
 };

@@ -18,21 +18,21 @@
 namespace canopus::module::q_iqr {
 
 [[nodiscard]] canopen::NodeOptions node_options();
-/// No software check, no restore [ME3CAN1-Q Tab. 4-30; RJ71CN91 App. 3 1F81H]; the manuals know no SDO block transfer.
+/// No software check, no restore [ME3CAN1-Q Tab. 4-30; RJ71CN91 App. 3 1F81H]; the manuals have no SDO block transfer.
 [[nodiscard]] manager::MasterOptions master_options();
 /// [ME3CAN1-Q 4.8.12; RJ71CN91 App. 3 1F22H]
 [[nodiscard]] manager::ConfigurationOptions configuration_options();
-/// 1F90H:06 = 4000 + 10 x node-ID ms [ME3CAN1-Q 4.8.10; RJ71CN91 App. 3 1F90H].
+/// 1F90:06 = 4000 + 10 x node-ID ms [ME3CAN1-Q 4.8.10; RJ71CN91 App. 3 1F90H].
 void set_detect_cycle(canopen::ObjectDictionary& objects, std::uint8_t node_id);
 
-/// What tells the models' dictionaries apart.
+/// Differences of the models' dictionaries.
 struct Identity {
   std::string_view device_name{};       ///< 1008H
   std::string_view hardware_version{};  ///< 1009H
   std::string_view software_version{};  ///< 100AH
-  std::uint32_t vendor = 0;             ///< 1018H:01
-  std::uint32_t product = 0;            ///< 1018H:02
-  std::uint32_t revision = 0;           ///< 1018H:03
+  std::uint32_t vendor = 0;             ///< 1018:01
+  std::uint32_t product = 0;            ///< 1018:02
+  std::uint32_t revision = 0;           ///< 1018:03
 };
 /// PDOs and network variables of a dictionary.
 struct DictionaryShape {

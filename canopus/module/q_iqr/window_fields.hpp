@@ -109,7 +109,7 @@ inline constexpr std::array receive_pdo{
     cob_id(0x1400),
     transmission_type(0x1400, "0x00 to 0xF0 taken over with the next SYNC, 0xFE and 0xFF at once")};
 
-/// `priorities`: the words of 1F90H:03, from 0 on.
+/// `priorities`: the words of 1F90:03, from 0 on.
 constexpr std::array<SettingField, 18> master_fields(std::span<const std::string_view> priorities) {
   return {
       box("NMT master", bit_of(0x1F80, 0), "the module is the NMT master (1F80H bit 0)"),
@@ -131,21 +131,21 @@ constexpr std::array<SettingField, 18> master_fields(std::span<const std::string
       box("Flying master", bit_of(0x1F80, 5),
           "several masters agree which one is the active one (1F80H bit 5)"),
       time_field("Timeout", "ms", any_word, 100, object(0x1F90, 1, 2),
-                 "of the look for an active NMT master (1F90H:01)"),
+                 "of the look for an active NMT master (1F90:01)"),
       time_field("NMT master negotiation time delay", "ms", any_word, 500, object(0x1F90, 2, 2),
-                 "before the negotiation (1F90H:02)"),
+                 "before the negotiation (1F90:02)"),
       SettingField{.name = "NMT master priority",
                    .unit = "",
                    .highest = 2,
                    .factory = 1,
                    .place = object(0x1F90, 3, 2),
                    .words = priorities,
-                   .description = "in the negotiation (1F90H:03)"},
+                   .description = "in the negotiation (1F90:03)"},
       time_field("Priority time slot", "ms", any_word, 1500, object(0x1F90, 4, 2),
-                 "more than 127 times the CANopen device time slot (1F90H:04)"),
-      time_field("CANopen device time slot", "ms", any_word, 10, object(0x1F90, 5, 2), "1F90H:05"),
+                 "more than 127 times the CANopen device time slot (1F90:04)"),
+      time_field("CANopen device time slot", "ms", any_word, 10, object(0x1F90, 5, 2), "1F90:05"),
       time_field("Multiple NMT master detect cycle time", "ms", any_word, 4000, object(0x1F90, 6, 2),
-                 "how often the active master looks for another one (1F90H:06)"),
+                 "how often the active master looks for another one (1F90:06)"),
       time_field("Guard time", "ms", any_word, 0, object(0x100C, 0, 2),
                  "of the life guarding of this module; 0: off"),
       time_field("Life time factor", "", 255, 0, object(0x100D, 0, 1),
@@ -179,10 +179,10 @@ inline constexpr std::array slaves{
                  .place = of_node(0x1F81, 16, 16),
                  .description = "of node guarding; 0: off"},
     identity("Device type", 0x1F84, false, "expected in 1000H; 0: any; of a boot slave"),
-    identity("Vendor-ID", 0x1F85, true, "expected in 1018H:01; 0: any; of a boot slave"),
-    identity("Product code", 0x1F86, false, "expected in 1018H:02; 0: any; of a boot slave"),
-    identity("Revision number", 0x1F87, true, "expected in 1018H:03; 0: any; of a boot slave"),
-    identity("Serial number", 0x1F88, true, "expected in 1018H:04; 0: any; of a boot slave"),
+    identity("Vendor-ID", 0x1F85, true, "expected in 1018:01; 0: any; of a boot slave"),
+    identity("Product code", 0x1F86, false, "expected in 1018:02; 0: any; of a boot slave"),
+    identity("Revision number", 0x1F87, true, "expected in 1018:03; 0: any; of a boot slave"),
+    identity("Serial number", 0x1F88, true, "expected in 1018:04; 0: any; of a boot slave"),
 };
 
 inline constexpr std::array consumers{

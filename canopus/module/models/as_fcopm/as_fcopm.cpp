@@ -215,10 +215,10 @@ void AsFcopm::write_register(RegisterKind kind, std::uint32_t number, std::uint1
 
 void AsFcopm::receive(const can::Frame& frame, can::Time now) {
   ++change_count_;
-  // No guarding, and no PDO that can be asked for [10.1.1, 10.3.2].
+  // No guarding, and no PDO that can be requested [10.1.1, 10.3.2].
   if (phase_ != Phase::running || frame.remote) return;
   role_->receive(frame, now);
-  look_at_queues();
+  check_queues();
 }
 
 void AsFcopm::transmitted(const can::Frame& frame, can::Time now) {
@@ -227,14 +227,14 @@ void AsFcopm::transmitted(const can::Frame& frame, can::Time now) {
 
 void AsFcopm::controller_changed(can::Time now) {
   if (phase_ != Phase::running) return;
-  look_at_queues();
+  check_queues();
   if (controller_.error_state() != can::ErrorState::bus_off) return;
   if (std::exchange(was_bus_off_, true)) return;
-  report("the CAN controller is bus-off: the way back is a reboot", now);
+  report("the CAN controller is bus-off: restart the module to recover", now);
   role_->bus_off(now);
 }
 
-void AsFcopm::look_at_queues() {
+void AsFcopm::check_queues() {
   send_buffer_was_full_ = send_buffer_was_full_ || controller_.transmit_overflows() != 0;
   receive_buffer_was_full_ = receive_buffer_was_full_ || controller_.receive_overflows() != 0;
 }
@@ -252,7 +252,7 @@ void AsFcopm::tick(can::Time now) {
     role_->start(now);
   }
   if (has_role() && now >= role_->deadline()) role_->tick(now);
-  if (phase_ == Phase::running) look_at_queues();
+  if (phase_ == Phase::running) check_queues();
 }
 
 }  // namespace canopus::module::as_fcopm

@@ -46,8 +46,8 @@ class AsFcopm final : public CommunicationModule, public RegisterAccess {
   /// Another object after each start and download: keep no reference.
   [[nodiscard]] const canopen::Node& node() const noexcept override { return role_->node(); }
   [[nodiscard]] std::vector<SlaveBootRecord> boots() const override;
-  [[nodiscard]] std::vector<canopen::Emergency> kept_emergencies() const override {
-    return role_->kept_emergencies();
+  [[nodiscard]] std::vector<canopen::Emergency> emergency_history() const override {
+    return role_->emergency_history();
   }
   [[nodiscard]] std::uint64_t change_count() const noexcept override { return change_count_; }
   [[nodiscard]] ModuleInformation information() const override;
@@ -90,7 +90,7 @@ class AsFcopm final : public CommunicationModule, public RegisterAccess {
     return phase_ == Phase::initializing || phase_ == Phase::running;
   }
   [[nodiscard]] OwnCode own_code() const noexcept;
-  void look_at_queues();
+  void check_queues();
   void report(std::string_view what, can::Time now) const {
     if (observer_ != nullptr) observer_->error_raised(what, now);
   }

@@ -120,8 +120,11 @@ std::vector<std::string> check(const Configuration& configuration) {
   Checker errors;
   if (configuration.node_id < 1 || configuration.node_id > 127)
     errors.add("node-ID {}; expected 1 to 127", configuration.node_id);
-  if (std::ranges::find(bit_rates, configuration.bit_rate) == bit_rates.end())
-    errors.add("{} kbit/s; expected one of 20, 50, 125, 250, 500, 1000", configuration.bit_rate);
+  if (std::ranges::find(bit_rates, configuration.bit_rate) == bit_rates.end()) {
+    std::string known;
+    for (const std::uint16_t rate : bit_rates) known += (known.empty() ? "" : ", ") + std::to_string(rate);
+    errors.add("{} kbit/s; expected one of {}", configuration.bit_rate, known);
+  }
   if (configuration.work_mode == WorkMode::slave) {
     if (!configuration.slaves.empty()) errors.add("a slave has no node list");
     return errors.sentences;

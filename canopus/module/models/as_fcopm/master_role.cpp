@@ -44,7 +44,7 @@ MasterRole::MasterRole(Configuration configuration, can::Sink& sink, const Profi
             static_cast<std::uint8_t>(configuration_.node_id), sink, node_options(profile)),
       master_(node_, sink),
       requests_(master_, static_cast<std::uint8_t>(configuration_.node_id), emergencies_),
-      hears_unlisted_(configuration_.slaves.empty()) {
+      receives_unlisted_(configuration_.slaves.empty()) {
   const Layout layout = lay_out(configuration_);
   for (const PdoPlace& place : layout.received)
     received_.push_back({.place = place, .patience = patience_of(*place.pdo, configuration_)});
@@ -125,7 +125,7 @@ void MasterRole::receive(const can::Frame& frame, can::Time now) {
     if (node_id == configuration_.node_id) {
       states_.set(node_id, NodeCode::same_node_id, true);
     } else if (!is_listed) {
-      hears_unlisted_ = true;
+      receives_unlisted_ = true;
     } else if (frame.length() == 1 && frame.data[0] == 0) {
       states_.set(node_id, NodeCode::emergency, false);  // it starts anew
     }
@@ -142,10 +142,10 @@ void MasterRole::transmitted(const can::Frame& frame, can::Time now) {
 void MasterRole::tick(can::Time now) {
   if (now >= next_scan_) {
     next_scan_ = can::never;
-    requests_.look(request_, now);
+    requests_.read_request(request_, now);
     send_changes(now);
   }
-  if (now >= next_missing_) look_for_missing(now);
+  if (now >= next_missing_) check_missing(now);
   if (now >= node_.deadline()) node_.tick(now);
   if (now >= master_.deadline()) master_.tick(now);
 }
@@ -218,7 +218,7 @@ void MasterRole::end_watch(std::uint8_t node_id) {
   show_pdos_of(node_id);
 }
 
-void MasterRole::look_for_missing(can::Time now) {
+void MasterRole::check_missing(can::Time now) {
   next_missing_ = can::never;
   for (Received& pdo : received_) {
     if (now >= pdo.due) {

@@ -1,16 +1,58 @@
 #pragma once
-// The card as master: the node list, its process data, and what the program asks for [AS-FCOPM 10.4, 10.5, 10.6].
+// The card as master: the node list, its process data, and requests of the program [AS-FCOPM 10.4, 10.5, 10.6].
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "canopus/manager/nmt/nmt_master.hpp"
+#include "canopus/module/models/as_fcopm/codes.hpp"
 #include "canopus/module/models/as_fcopm/emergency_log.hpp"
 #include "canopus/module/models/as_fcopm/message_requests.hpp"
-#include "canopus/module/models/as_fcopm/node_states.hpp"
 #include "canopus/module/models/as_fcopm/role.hpp"
 
 namespace canopus::module::as_fcopm {
+
+/// What the master shows of each node: its code at SR830 on, its flag at SR826 on [AS-FCOPM 10.5.1].
+///
+/// Several causes may be there at once; each comes and goes by itself, and the register shows the gravest. The manual
+/// prints no order: what keeps the slave out of the network comes first, then what keeps it from being started, then
+/// its PDOs, then its emergency message.
+class NodeStates {
+ public:
+  static constexpr unsigned nodes = 64;
+
+  void clear() noexcept { causes_.fill(0); }
+  void set(std::uint8_t node_id, NodeCode cause, bool there) noexcept {
+    if (node_id < 1 || node_id > nodes) return;
+    std::uint16_t& causes = causes_[node_id - 1U];
+    const auto bit = static_cast<std::uint16_t>(1U << (static_cast<unsigned>(cause) & 0xFU));
+    causes = static_cast<std::uint16_t>(there ? causes | bit : causes & ~bit);
+  }
+  [[nodiscard]] bool has(std::uint8_t node_id, NodeCode cause) const noexcept {
+    return node_id >= 1 && node_id <= nodes &&
+           (causes_[node_id - 1U] >> (static_cast<unsigned>(cause) & 0xFU) & 1U) != 0;
+  }
+  /// SR830 + node_id - 1, node 1..64.
+  [[nodiscard]] std::uint16_t code(std::uint8_t node_id) const noexcept {
+    for (const NodeCode cause : order)
+      if (has(node_id, cause)) return static_cast<std::uint16_t>(cause);
+    return 0;
+  }
+  /// SR826 + `word`, 0..3.
+  [[nodiscard]] std::uint16_t flags(unsigned word) const noexcept {
+    unsigned flags = 0;
+    for (unsigned bit = 0; bit < 16; ++bit)
+      if (causes_[16 * word + bit] != 0) flags |= 1U << bit;
+    return static_cast<std::uint16_t>(flags);
+  }
+
+ private:
+  static constexpr std::array order{NodeCode::same_node_id,  NodeCode::not_there,     NodeCode::error_control,
+                                    NodeCode::key_parameter, NodeCode::pdo_parameter, NodeCode::auto_sdo,
+                                    NodeCode::pdo_length,    NodeCode::pdo_missing,   NodeCode::emergency};
+  std::array<std::uint16_t, nodes> causes_{};
+};
 
 class MasterRole final : public Role,
                          private canopen::NodeListener,
@@ -27,12 +69,12 @@ class MasterRole final : public Role,
   [[nodiscard]] std::uint16_t read(BufferAddress address) const noexcept override;
   void write(BufferAddress address, std::uint16_t value, can::Time now) override;
   [[nodiscard]] OwnCode code() const noexcept override {
-    return hears_unlisted_ ? OwnCode::not_in_node_list : OwnCode::none;
+    return receives_unlisted_ ? OwnCode::not_in_node_list : OwnCode::none;
   }
   [[nodiscard]] OwnCode download_code() const noexcept override { return OwnCode::downloading; }
   [[nodiscard]] StartUp start_up() const noexcept override;
   [[nodiscard]] std::vector<SlaveBootRecord> boots() const override;
-  [[nodiscard]] std::vector<canopen::Emergency> kept_emergencies() const override {
+  [[nodiscard]] std::vector<canopen::Emergency> emergency_history() const override {
     return emergencies_.all();
   }
 
@@ -44,7 +86,7 @@ class MasterRole final : public Role,
   /// A PDO from a slave, and when it is missed.
   struct Received {
     PdoPlace place;
-    can::Duration patience{};  // 0: nobody knows when it comes
+    can::Duration patience{};  // 0: its period is unknown
     can::Time due = can::never;
     bool is_missing = false;
     bool is_wrong = false;      // its length
@@ -79,7 +121,7 @@ class MasterRole final : public Role,
   void send_changes(can::Time now);
   void watch(Received& pdo, can::Time now);
   void end_watch(std::uint8_t node_id);
-  void look_for_missing(can::Time now);
+  void check_missing(can::Time now);
   void show_pdos_of(std::uint8_t node_id);
   /// It has what it was to be configured with: what its PDOs carry is what the registers are for.
   [[nodiscard]] bool is_configured(std::uint8_t node_id) const noexcept {
@@ -104,7 +146,7 @@ class MasterRole final : public Role,
   std::array<std::uint16_t, message_words> request_{};
   std::array<std::uint16_t, process_words> inputs_{};
   std::array<std::uint16_t, process_words> outputs_{};
-  bool hears_unlisted_ = false;
+  bool receives_unlisted_ = false;
   can::Alarm next_scan_;
   can::Alarm next_missing_;  // no PDO is missed before
 };

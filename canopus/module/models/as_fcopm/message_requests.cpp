@@ -50,7 +50,7 @@ void MessageRequests::header_written(std::uint16_t value) noexcept {
   last_id_ = high_byte(value);
 }
 
-void MessageRequests::look(const Words& request, can::Time now) {
+void MessageRequests::read_request(const Words& request, can::Time now) {
   if (!std::exchange(is_asked_, false)) return;
   if (request[0] == 0) {
     if (running_.none()) response_.fill(0);  // "No data transmission request"

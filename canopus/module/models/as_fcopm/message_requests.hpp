@@ -1,7 +1,7 @@
 #pragma once
 // Requests of the PLC program by D25000-25031, answers in D24000-24031: SDO read and write, NMT, emergency messages
-// [AS-FCOPM 10.4]. Changing the ReqID, the high byte of D25000, asks, also when it is changed back in the same scan:
-// the program is to clear the area before it fills it. D25000 = 0 asks for nothing.
+// [AS-FCOPM 10.4]. Changing the ReqID, the high byte of D25000, is a request, also when it is changed back in the same scan:
+// the program is to clear the area before it fills it. D25000 = 0 requests nothing.
 //
 // One request per node may be on its way; requests to different nodes may. Each answer carries the ReqID of its
 // request, and the area shows the latest one.
@@ -29,7 +29,7 @@ class MessageRequests {
   /// The program has written D25000.
   void header_written(std::uint16_t value) noexcept;
   /// A scan is over: the words are a request if the ReqID was changed in it.
-  void look(const Words& request, can::Time now);
+  void read_request(const Words& request, can::Time now);
   [[nodiscard]] std::uint16_t response(std::size_t word) const noexcept { return response_[word]; }
 
  private:
@@ -53,7 +53,7 @@ class MessageRequests {
   std::uint8_t own_node_;
   const EmergencyLog& emergencies_;
   std::uint8_t last_id_ = 0;
-  bool is_asked_ = false;  // the ReqID was changed since the last look()
+  bool is_asked_ = false;  // the ReqID was changed since the last read_request()
   std::bitset<128> running_;
   Words response_{};
 };

@@ -41,7 +41,7 @@ class Role : public can::Participant {
   [[nodiscard]] virtual StartUp start_up() const noexcept { return StartUp::none; }
   [[nodiscard]] virtual std::vector<SlaveBootRecord> boots() const { return {}; }
   /// As CommunicationModule has it; by node, those of the first node last.
-  [[nodiscard]] virtual std::vector<canopen::Emergency> kept_emergencies() const { return {}; }
+  [[nodiscard]] virtual std::vector<canopen::Emergency> emergency_history() const { return {}; }
 };
 
 /// CiA DS-301 as the card has it: no remote frames, no guarding.

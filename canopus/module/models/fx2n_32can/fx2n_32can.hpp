@@ -4,10 +4,18 @@
 //
 // All of it is facts: model.cpp and the tables beside it. What they do is in canopus/module.
 
+#include <memory>
+
+#include "canopus/canopen/dictionary/dictionary_description.hpp"
 #include "canopus/module/engine/module_engine.hpp"
-#include "canopus/module/models/fx2n_32can/model.hpp"
+#include "canopus/module/engine/module_model.hpp"
 
 namespace canopus::module::fx2n_32can {
+
+/// What the manual says, as the engine reads it: model.cpp.
+extern const ModuleModel model;
+/// The object dictionary [FX2N-32CAN 5, 7.4, 8].
+[[nodiscard]] std::shared_ptr<const canopen::DictionaryDescription> object_dictionary();
 
 class Fx2n32Can final : public ModuleEngine {
  public:

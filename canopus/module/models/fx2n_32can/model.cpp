@@ -1,11 +1,9 @@
-#include "canopus/module/models/fx2n_32can/model.hpp"
-
 #include <array>
 
 #include "canopus/canopen/service/emcy_code.hpp"
 #include "canopus/module/models/fx2n_32can/buffer_table.hpp"
 #include "canopus/module/models/fx2n_32can/data_sheet.hpp"
-#include "canopus/module/models/fx2n_32can/object_table.hpp"
+#include "canopus/module/models/fx2n_32can/fx2n_32can.hpp"
 
 namespace canopus::module::fx2n_32can {
 

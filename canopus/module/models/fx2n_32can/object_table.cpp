@@ -1,9 +1,8 @@
-#include "canopus/module/models/fx2n_32can/object_table.hpp"
-
 #include <array>
 
 #include "canopus/module/canopen/object_rows.hpp"
 #include "canopus/module/models/fx2n_32can/buffer_table.hpp"
+#include "canopus/module/models/fx2n_32can/fx2n_32can.hpp"
 
 namespace canopus::module::fx2n_32can {
 

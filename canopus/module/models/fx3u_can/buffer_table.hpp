@@ -5,6 +5,7 @@
 
 #include "canopus/module/interface/program_interface.hpp"
 #include "canopus/module/memory/buffer_memory.hpp"
+#include "canopus/module/q_iqr/words.hpp"
 
 namespace canopus::module::fx3u_can {
 
@@ -18,7 +19,7 @@ inline constexpr Modes layer2 = layer2_11 | layer2_29;
 inline constexpr Modes all_modes = canopen_modes | layer2;
 inline constexpr std::array<std::uint16_t, 4> function_modes{405, 11, 29, 417};
 inline constexpr ValueRange no_value = between(1, 0);  // every write is an error
-inline constexpr std::array<std::uint16_t, 9> baud_rates{10, 20, 50, 100, 125, 250, 500, 800, 1000};
+using q_iqr::baud_rates;
 
 // 240 bytes, 120 words or 160 double words of the network variables are one index [FX3U-CAN 5.9].
 inline constexpr DataExchangeLayout exchange_layout{

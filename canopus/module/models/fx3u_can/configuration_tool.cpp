@@ -25,7 +25,7 @@ constexpr std::array fx3u_basic{
     window_fields::sdo_timeout,
 };
 constexpr std::array<std::string_view, 3> fx3u_priorities{"High", "Medium",
-                                                          "Low"};  // 1F90H:03 [FX3U-CAN 5.8.11]
+                                                          "Low"};  // 1F90:03 [FX3U-CAN 5.8.11]
 constexpr std::array fx3u_master = window_fields::master_fields(fx3u_priorities);
 constexpr std::array fx3u_lists = window_fields::windows_of_lists(80, fx3u_master);
 

@@ -5,9 +5,12 @@
 // All of it is facts: model.cpp and the tables beside it. What they do is in canopus/module.
 
 #include "canopus/module/engine/module_engine.hpp"
-#include "canopus/module/models/fx3u_can/model.hpp"
+#include "canopus/module/engine/module_model.hpp"
 
 namespace canopus::module::fx3u_can {
+
+/// What the manual says, as the engine reads it: model.cpp.
+extern const ModuleModel model;
 
 class Fx3uCan final : public ModuleEngine {
  public:

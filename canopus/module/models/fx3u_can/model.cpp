@@ -1,10 +1,9 @@
-#include "canopus/module/models/fx3u_can/model.hpp"
-
 #include <array>
 
 #include "canopus/canopen/service/emcy_code.hpp"
 #include "canopus/module/models/fx3u_can/buffer_table.hpp"
 #include "canopus/module/models/fx3u_can/data_sheet.hpp"
+#include "canopus/module/models/fx3u_can/fx3u_can.hpp"
 #include "canopus/module/models/fx3u_can/lift_table.hpp"
 #include "canopus/module/models/fx3u_can/object_table.hpp"
 #include "canopus/module/q_iqr/canopen_options.hpp"
@@ -45,7 +44,7 @@ constexpr std::array windows = std::to_array<ProcessDataWindow>({
     {100, 399, 20, mode_405},
 });
 
-/// Requests by bits, and what else asks by being written, or read [FX3U-CAN 6.4, 6.6, 6.8, 6.11, 6.19, 9.5, 10.1].
+/// Requests by bits, and words whose write, or read, is a request [FX3U-CAN 6.4, 6.6, 6.8, 6.11, 6.19, 9.5, 10.1].
 constexpr std::array request_words = std::to_array<RequestWordRow>({
     {  20, RequestUse::data_exchange,    1U << 0 | 1U << 8 | 1U << 12, mode_405},
     {  20, RequestUse::data_exchange,    1U << 0 | 1U << 8 | 1U << 9 | 1U << 12, mode_417},

@@ -4,10 +4,18 @@
 //
 // All of it is facts: model.cpp and the tables beside it. What they do is in canopus/module.
 
+#include <memory>
+
+#include "canopus/canopen/dictionary/dictionary_description.hpp"
 #include "canopus/module/engine/module_engine.hpp"
-#include "canopus/module/models/me3can1_q/model.hpp"
+#include "canopus/module/engine/module_model.hpp"
 
 namespace canopus::module::me3can1_q {
+
+/// What the manual says, as the engine reads it: model.cpp.
+extern const ModuleModel model;
+/// The object dictionary in CANopen 405 mode [ME3CAN1-Q Tab. 4-6 to 4-10, 4.9]. The same description for every module of this kind.
+[[nodiscard]] std::shared_ptr<const canopen::DictionaryDescription> object_dictionary();
 
 class Me3can1Q final : public ModuleEngine {
  public:

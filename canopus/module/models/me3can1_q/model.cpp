@@ -1,12 +1,10 @@
-#include "canopus/module/models/me3can1_q/model.hpp"
-
 #include <array>
 
 #include "canopus/canopen/service/emcy_code.hpp"
 #include "canopus/module/engine/signal_port.hpp"
 #include "canopus/module/models/me3can1_q/buffer_table.hpp"
 #include "canopus/module/models/me3can1_q/data_sheet.hpp"
-#include "canopus/module/models/me3can1_q/object_table.hpp"
+#include "canopus/module/models/me3can1_q/me3can1_q.hpp"
 #include "canopus/module/q_iqr/canopen_options.hpp"
 #include "canopus/module/q_iqr/plc_interface.hpp"
 
@@ -113,5 +111,15 @@ constinit const ModuleModel model{
     .faulty_mapping_keeps_initializing = true,
     .layer2_deletes_objects = true,
 };
+
+std::shared_ptr<const canopen::DictionaryDescription> object_dictionary() {
+  static const auto description = q_iqr::make_dictionary({.device_name = "ME3CAN1-Q",
+                                                          .hardware_version = "1.00",
+                                                          .software_version = "1.00",
+                                                          .vendor = 0x0000'0071,
+                                                          .product = 0x0000'ED63,
+                                                          .revision = 0x0001'0000});
+  return description;
+}
 
 }  // namespace canopus::module::me3can1_q

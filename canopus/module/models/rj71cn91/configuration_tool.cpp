@@ -19,7 +19,7 @@ constexpr std::array rj71_basic{
     window_fields::baud_rate,
     window_fields::sdo_timeout,
 };
-constexpr std::array<std::string_view, 3> rj71_priorities{"High", "Mid", "Low"};  // 1F90H:03
+constexpr std::array<std::string_view, 3> rj71_priorities{"High", "Mid", "Low"};  // 1F90:03
 constexpr std::array rj71_master = window_fields::master_fields(rj71_priorities);
 constexpr std::array rj71_lists = window_fields::windows_of_lists(256, rj71_master);
 

@@ -1,5 +1,3 @@
-#include "canopus/module/models/rj71cn91/model.hpp"
-
 #include <array>
 #include <chrono>
 
@@ -8,7 +6,7 @@
 #include "canopus/module/models/rj71cn91/buffer_table.hpp"
 #include "canopus/module/models/rj71cn91/data_sheet.hpp"
 #include "canopus/module/models/rj71cn91/event_table.hpp"
-#include "canopus/module/models/rj71cn91/object_table.hpp"
+#include "canopus/module/models/rj71cn91/rj71cn91.hpp"
 #include "canopus/module/q_iqr/canopen_options.hpp"
 #include "canopus/module/q_iqr/plc_interface.hpp"
 
@@ -56,7 +54,7 @@ constexpr std::array errors = std::to_array<ErrorRow>({
 });
 // clang-format on
 
-/// What the module sends by itself [RJ71CN91 1.7]. It knows no message of its own for a CPU error.
+/// What the module sends by itself [RJ71CN91 1.7]. It has no message of its own for a CPU error.
 constexpr EmergencyRow cpu_stop{emcy_code::device_specific, 0x81, {'M', 'E', '0', '0', '2'}};
 constexpr EmergencyRows emergencies{
     .cpu_error = cpu_stop,
@@ -171,5 +169,15 @@ constinit const ModuleModel model{
     .takes_parameters = true,
     .watchdog_error_is_shown = true,
 };
+
+std::shared_ptr<const canopen::DictionaryDescription> object_dictionary() {
+  static const auto description = q_iqr::make_dictionary({.device_name = "RJ71CN91",
+                                                          .hardware_version = "01",
+                                                          .software_version = "02",
+                                                          .vendor = 0x0000'01D0,
+                                                          .product = 0x0000'0100,
+                                                          .revision = 0x0001'0000});
+  return description;
+}
 
 }  // namespace canopus::module::rj71cn91
