@@ -49,12 +49,12 @@ class DecoderTest : public testing::Test {
     all.add(describe_node("", 3, "encoder", encoder()));
     return all;
   }
-  void hear(const Frame& frame, can::Duration after = 100us) {
+  void receive(const Frame& frame, can::Duration after = 100us) {
     now += after;
     decoder.receive({.time = now, .frame = frame}, "can0", sink);
   }
-  void hear(std::uint32_t identifier, std::initializer_list<std::uint8_t> bytes) {
-    hear(data_frame(identifier, bytes));
+  void receive(std::uint32_t identifier, std::initializer_list<std::uint8_t> bytes) {
+    receive(data_frame(identifier, bytes));
   }
   std::vector<std::string> lines() {
     std::vector<std::string> all;
@@ -75,14 +75,73 @@ class DecoderFrames : public DecoderTest {
   DecoderFrames() : DecoderTest({.frames = true, .transfers = false}) {}
 };
 
+/// A drive: type 402, TPDO1 with 6041H and 6077H.
+std::shared_ptr<const canopen::DictionaryDescription> drive() {
+  canopen::DictionaryBuilder builder;
+  using canopen::DataType;
+  builder.variable(0x1000, {.value = can::little_endian(0x00020192, 4)});
+  builder.object(0x1800, canopen::ObjectCode::record, "TPDO1")
+      .sub(0x1800, 1, {.name = "COB-ID", .value = can::little_endian(0x180, 4), .adds_node_id = true});
+  builder.object(0x1A00, canopen::ObjectCode::record, "TPDO1 mapping")
+      .sub(0x1A00, 0, {.name = "Count", .type = DataType::unsigned8, .value = {2}})
+      .sub(0x1A00, 1, {.name = "Entry 1", .value = can::little_endian(0x60410010, 4)})
+      .sub(0x1A00, 2, {.name = "Entry 2", .value = can::little_endian(0x60770010, 4)});
+  builder.variable(0x6041, {.name = "Statusword", .type = DataType::unsigned16});
+  builder.variable(0x6060, {.name = "Modes of operation", .type = DataType::integer8});
+  builder.variable(0x6077, {.name = "Torque actual value", .type = DataType::integer16});
+  return builder.build();
+}
+
+class DecoderOfADrive : public testing::Test {
+ protected:
+  static Names names() {
+    Names all;
+    all.add(describe_node("", 5, "servo", drive()));
+    return all;
+  }
+  std::string text_of(std::initializer_list<Frame> frames) {
+    std::string text;
+    Decoder decoder(names(), {.transfers = true});
+    const Decoder::Sink sink = [&](const Message& message) {
+      text = message.text;
+      last = message;
+    };
+    can::Time now{};
+    for (const Frame& frame : frames) decoder.receive({.time = now += 100us, .frame = frame}, "can0", sink);
+    return text;
+  }
+  Message last;
+};
+
+TEST_F(DecoderOfADrive, SignalsOfAPdo_HaveUnitsAndStatesInWords) {
+  EXPECT_EQ(text_of({data_frame(0x185, {0x37, 0x06, 0xCE, 0xFF})}),
+            "Statusword = 1591 (operation enabled), Torque actual value = -50 x 0.1 %");
+  ASSERT_EQ(last.signals.size(), 2U);
+  EXPECT_EQ(last.signals[0].value, "1591");
+  EXPECT_EQ(last.signals[0].words, "operation enabled");
+  EXPECT_EQ(last.signals[1].unit, "x 0.1 %");
+}
+
+TEST_F(DecoderOfADrive, ValuesOfSdos_HaveThem_WithTheirBits) {
+  EXPECT_EQ(text_of({data_frame(0x605, {0x40, 0x41, 0x60, 0, 0, 0, 0, 0}),
+                     data_frame(0x585, {0x4B, 0x41, 0x60, 0, 0x08, 0, 0, 0})}),
+            "6041:00 'Statusword' read: 8 fault (UNSIGNED16, 0.1 ms)");
+  EXPECT_EQ(text_of({data_frame(0x605, {0x2F, 0x60, 0x60, 0, 0x03, 0, 0, 0}),
+                     data_frame(0x585, {0x60, 0x60, 0x60, 0, 0, 0, 0, 0})}),
+            "6060:00 'Modes of operation' write: 3 profile velocity (INTEGER8, 0.1 ms)");
+  EXPECT_EQ(text_of({data_frame(0x605, {0x40, 0x77, 0x60, 0, 0, 0, 0, 0}),
+                     data_frame(0x585, {0x4B, 0x77, 0x60, 0, 0x32, 0, 0, 0})}),
+            "6077:00 'Torque actual value' read: 50 x 0.1 % (INTEGER16, 0.1 ms)");
+}
+
 TEST_F(DecoderTest, Nmt_IsNamedByItsCommand) {
-  hear(0x000, {0x01, 0x00});
-  hear(0x000, {0x02, 0x03});
-  hear(0x000, {0x80, 0x05});
-  hear(0x000, {0x81, 0x03});
-  hear(0x000, {0x82, 0x03});
-  hear(0x000, {0x55, 0x03});
-  hear(0x000, {0x01});
+  receive(0x000, {0x01, 0x00});
+  receive(0x000, {0x02, 0x03});
+  receive(0x000, {0x80, 0x05});
+  receive(0x000, {0x81, 0x03});
+  receive(0x000, {0x82, 0x03});
+  receive(0x000, {0x55, 0x03});
+  receive(0x000, {0x01});
   EXPECT_THAT(lines(), ElementsAre("nmt | start | all | start", "nmt | stop | 3 (encoder) | stop",
                                    "nmt | enter pre-operational | 5 | enter pre-operational",
                                    "nmt | reset node | 3 (encoder) | reset node",
@@ -92,16 +151,16 @@ TEST_F(DecoderTest, Nmt_IsNamedByItsCommand) {
 }
 
 TEST_F(DecoderTest, ErrorControl_IsBootUpHeartbeatOrGuarding) {
-  hear(0x703, {0x00});
-  hear(0x703, {0x7F});
-  hear(0x703, {0x05});
-  hear(0x703, {0x04});
-  hear(0x703, {0x09});
-  hear(remote_frame(0x703, 1));
-  hear(0x703, {0x85});
-  hear(remote_frame(0x703, 1));
-  hear(0x703, {0x05});
-  hear(0x703, {0x05});
+  receive(0x703, {0x00});
+  receive(0x703, {0x7F});
+  receive(0x703, {0x05});
+  receive(0x703, {0x04});
+  receive(0x703, {0x09});
+  receive(remote_frame(0x703, 1));
+  receive(0x703, {0x85});
+  receive(remote_frame(0x703, 1));
+  receive(0x703, {0x05});
+  receive(0x703, {0x05});
   EXPECT_THAT(lines(), ElementsAre("error-control | boot-up | 3 (encoder) | boot-up",
                                    "error-control | heartbeat | 3 (encoder) | pre-operational",
                                    "error-control | heartbeat | 3 (encoder) | operational",
@@ -114,13 +173,70 @@ TEST_F(DecoderTest, ErrorControl_IsBootUpHeartbeatOrGuarding) {
                                    "error-control | heartbeat | 3 (encoder) | operational"));
 }
 
+TEST_F(DecoderTest, GuardingToggleThatDoesNotAlternate_IsFlagged) {
+  const auto guard = [&](std::uint8_t answer) {
+    receive(remote_frame(0x703, 1));
+    messages.clear();
+    receive(0x703, {answer});
+    const std::string text = messages.at(0).text;
+    EXPECT_EQ(messages.at(0).is_malformed, text.find("alternate") != std::string::npos) << text;
+    return text;
+  };
+  EXPECT_EQ(guard(0x05), "operational, toggle 0");
+  EXPECT_EQ(guard(0x85), "operational, toggle 1");
+  EXPECT_EQ(guard(0x85), "operational, toggle 1, expected 0: it does not alternate");
+  EXPECT_EQ(guard(0x05), "operational, toggle 0");
+  EXPECT_EQ(guard(0x04), "stopped, toggle 0, expected 1: it does not alternate");
+  receive(0x703, {0x00});
+  EXPECT_EQ(guard(0xFF), "pre-operational, toggle 1, expected 0: it does not alternate");
+  receive(0x703, {0x00});
+  EXPECT_EQ(guard(0x7F), "pre-operational, toggle 0");
+  // a recorder that hears no remote frames
+  messages.clear();
+  receive(0x704, {0x85});
+  receive(0x704, {0x05});
+  receive(0x704, {0x85});
+  receive(0x704, {0x85});
+  EXPECT_THAT(lines(),
+              ElementsAre("error-control | guarding answer | 4 | operational, toggle 1",
+                          "error-control | heartbeat | 4 | operational",
+                          "error-control | guarding answer | 4 | operational, toggle 1",
+                          "error-control | guarding answer | 4 | operational, toggle 1, expected 0: it does "
+                          "not alternate"));
+}
+
+TEST_F(DecoderTest, MessagesOfAWrongLength_AreMalformedInEveryService) {
+  receive(0x000, {0x01});
+  receive(0x080, {0x01, 0x02});
+  receive(0x100, {0x01});
+  receive(0x083, {0x30});
+  receive(0x083, {0x30, 0x81, 0x11, 1});
+  receive(0x183, {0xD2, 0x04});
+  receive(0x603, {0x40});
+  receive(0x703, {0x05, 0x05});
+  receive(0x7E5, {0x04, 0x01});
+  receive(0x071, {0x01});
+  for (const Message& message : messages) {
+    EXPECT_TRUE(message.is_malformed) << message.text;
+    EXPECT_TRUE(message.text.find("expected") != std::string::npos ||
+                message.text.find("too short") != std::string::npos)
+        << message.text;
+  }
+  EXPECT_EQ(messages.size(), 10U);
+  messages.clear();
+  receive(0x183, {0xD2, 0x04, 0x00, 0x00, 0xFB, 0xFF});
+  receive(0x083, {0x30, 0x81, 0x11, 1, 2, 3, 4, 5});
+  receive(0x7F0, {});
+  for (const Message& message : messages) EXPECT_FALSE(message.is_malformed) << message.text;
+}
+
 TEST_F(DecoderTest, SyncTimeAndEmcy_AreInWords) {
-  hear(0x080, {});
-  hear(0x080, {0x07});
-  hear(0x100, {0x40, 0x77, 0x1B, 0x00, 0x01, 0x00});  // 30 minutes after midnight
-  hear(0x083, {0x30, 0x81, 0x11, 1, 2, 3, 4, 5});
-  hear(0x083, {0x00, 0x00, 0x00, 0, 0, 0, 0, 0});
-  hear(0x085, {0x10, 0x43, 0x09, 0, 0, 0, 0, 0});
+  receive(0x080, {});
+  receive(0x080, {0x07});
+  receive(0x100, {0x40, 0x77, 0x1B, 0x00, 0x01, 0x00});  // 30 minutes after midnight
+  receive(0x083, {0x30, 0x81, 0x11, 1, 2, 3, 4, 5});
+  receive(0x083, {0x00, 0x00, 0x00, 0, 0, 0, 0, 0});
+  receive(0x085, {0x10, 0x43, 0x09, 0, 0, 0, 0, 0});
   EXPECT_THAT(
       lines(),
       ElementsAre("sync | SYNC |  | ", "sync | SYNC |  | counter 7",
@@ -132,14 +248,14 @@ TEST_F(DecoderTest, SyncTimeAndEmcy_AreInWords) {
 }
 
 TEST_F(DecoderTest, Pdo_HasTheValuesOfItsMapping) {
-  hear(0x183, {0xD2, 0x04, 0x00, 0x00, 0xFB, 0xFF});
+  receive(0x183, {0xD2, 0x04, 0x00, 0x00, 0xFB, 0xFF});
   ASSERT_EQ(messages.size(), 1U);
   EXPECT_EQ(messages[0].signals.at(0).number, 1234.0);
   EXPECT_EQ(messages[0].signals.at(1).first_bit, 32);
   EXPECT_EQ(messages[0].signals.at(1).number, -5.0);
-  hear(0x183, {0xD2, 0x04, 0x00, 0x00});
-  hear(0x204, {0x01, 0x02});
-  hear(remote_frame(0x183, 6));
+  receive(0x183, {0xD2, 0x04, 0x00, 0x00});
+  receive(0x204, {0x01, 0x02});
+  receive(remote_frame(0x183, 6));
   EXPECT_THAT(
       lines(),
       ElementsAre(
@@ -152,19 +268,19 @@ TEST_F(DecoderTest, PdoOfAnUnknownNode_IsLearntFromItsConfiguration) {
   const auto write = [&](std::uint8_t low, std::uint8_t high, std::uint8_t sub, std::uint32_t value) {
     Frame request = data_frame(0x609, {0x23, low, high, sub, 0, 0, 0, 0});
     can::store_value(&request.data[4], value, 4);
-    hear(request);
-    hear(0x589, {0x60, low, high, sub, 0, 0, 0, 0});
+    receive(request);
+    receive(0x589, {0x60, low, high, sub, 0, 0, 0, 0});
   };
   write(0x00, 0x1A, 1, 0x20010108);
   write(0x00, 0x1A, 2, 0x20010210);
   write(0x00, 0x1A, 0, 2);
   write(0x00, 0x18, 1, 0x40000345);  // TPDO1 on an identifier that the connection set gives to another PDO
   messages.clear();
-  hear(0x345, {0x05, 0x34, 0x12});
+  receive(0x345, {0x05, 0x34, 0x12});
   EXPECT_THAT(lines(), ElementsAre("pdo | TPDO | 9 | 2001:01 = 05H, 2001:02 = 1234H"));
   write(0x00, 0x18, 1, 0x80000345);
   messages.clear();
-  hear(0x345, {0x05, 0x34, 0x12});
+  receive(0x345, {0x05, 0x34, 0x12});
   EXPECT_THAT(lines(), ElementsAre("pdo | RPDO | 69 | 05 34 12"));
 }
 
@@ -172,14 +288,14 @@ TEST_F(DecoderTest, Mpdo_NamesItsObject) {
   const auto write = [&](std::uint8_t sub, std::uint32_t value) {
     Frame request = data_frame(0x603, {0x23, 0x00, 0x1A, sub, 0, 0, 0, 0});
     can::store_value(&request.data[4], value, 4);
-    hear(request);
-    hear(0x583, {0x60, 0x00, 0x1A, sub, 0, 0, 0, 0});
+    receive(request);
+    receive(0x583, {0x60, 0x00, 0x1A, sub, 0, 0, 0, 0});
   };
   write(0, 0xFE);
   messages.clear();
-  hear(0x183, {0x03, 0x00, 0x60, 0x01, 0xD2, 0x04, 0x00, 0x00});
-  hear(0x183, {0x83, 0x30, 0x60, 0x01, 0xFF, 0xFF, 0x00, 0x00});
-  hear(0x183, {0x80, 0x00, 0x20, 0x05, 0x01, 0x00, 0x00, 0x00});
+  receive(0x183, {0x03, 0x00, 0x60, 0x01, 0xD2, 0x04, 0x00, 0x00});
+  receive(0x183, {0x83, 0x30, 0x60, 0x01, 0xFF, 0xFF, 0x00, 0x00});
+  receive(0x183, {0x80, 0x00, 0x20, 0x05, 0x01, 0x00, 0x00, 0x00});
   EXPECT_THAT(lines(),
               ElementsAre("mpdo | SAM | 3 (encoder) | from 6000:01 'Encoder values: Position value' = 1234",
                           "mpdo | DAM | 3 (encoder) | to node 3: 6030:01 'Speed value channel 1' = -1",
@@ -187,19 +303,19 @@ TEST_F(DecoderTest, Mpdo_NamesItsObject) {
 }
 
 TEST_F(DecoderTest, Lss_IsItsServiceAndItsFields) {
-  hear(0x7E5, {0x04, 0x01, 0, 0, 0, 0, 0, 0});
-  hear(0x7E5, {0x40, 0x78, 0x56, 0x34, 0x12, 0, 0, 0});
-  hear(0x7E4, {0x44, 0, 0, 0, 0, 0, 0, 0});
-  hear(0x7E5, {0x11, 0x05, 0, 0, 0, 0, 0, 0});
-  hear(0x7E4, {0x11, 0x01, 0, 0, 0, 0, 0, 0});
-  hear(0x7E5, {0x13, 0x00, 0x03, 0, 0, 0, 0, 0});
-  hear(0x7E5, {0x15, 0xE8, 0x03, 0, 0, 0, 0, 0});
-  hear(0x7E4, {0x17, 0x00, 0x00, 0, 0, 0, 0, 0});
-  hear(0x7E5, {0x49, 0x01, 0, 0, 0, 0, 0, 0});
-  hear(0x7E5, {0x51, 0x78, 0x56, 0x34, 0x12, 0x1F, 0x00, 0x01});
-  hear(0x7E5, {0x5D, 0, 0, 0, 0, 0, 0, 0});
-  hear(0x7E4, {0x5D, 0x2A, 0, 0, 0, 0, 0, 0});
-  hear(0x7E4, {0x5E, 0xFF, 0, 0, 0, 0, 0, 0});
+  receive(0x7E5, {0x04, 0x01, 0, 0, 0, 0, 0, 0});
+  receive(0x7E5, {0x40, 0x78, 0x56, 0x34, 0x12, 0, 0, 0});
+  receive(0x7E4, {0x44, 0, 0, 0, 0, 0, 0, 0});
+  receive(0x7E5, {0x11, 0x05, 0, 0, 0, 0, 0, 0});
+  receive(0x7E4, {0x11, 0x01, 0, 0, 0, 0, 0, 0});
+  receive(0x7E5, {0x13, 0x00, 0x03, 0, 0, 0, 0, 0});
+  receive(0x7E5, {0x15, 0xE8, 0x03, 0, 0, 0, 0, 0});
+  receive(0x7E4, {0x17, 0x00, 0x00, 0, 0, 0, 0, 0});
+  receive(0x7E5, {0x49, 0x01, 0, 0, 0, 0, 0, 0});
+  receive(0x7E5, {0x51, 0x78, 0x56, 0x34, 0x12, 0x1F, 0x00, 0x01});
+  receive(0x7E5, {0x5D, 0, 0, 0, 0, 0, 0, 0});
+  receive(0x7E4, {0x5D, 0x2A, 0, 0, 0, 0, 0, 0});
+  receive(0x7E4, {0x5E, 0xFF, 0, 0, 0, 0, 0, 0});
   EXPECT_THAT(
       lines(),
       ElementsAre("lss | switch state global |  | all devices to LSS configuration state",
@@ -219,12 +335,12 @@ TEST_F(DecoderTest, Lss_IsItsServiceAndItsFields) {
 }
 
 TEST_F(DecoderTest, FlyingMaster_HasItsSixFrames) {
-  hear(0x071, {0x01, 0x03});
-  hear(0x072, {});
-  hear(0x073, {});
-  hear(0x074, {});
-  hear(0x075, {});
-  hear(0x076, {});
+  receive(0x071, {0x01, 0x03});
+  receive(0x072, {});
+  receive(0x073, {});
+  receive(0x074, {});
+  receive(0x075, {});
+  receive(0x076, {});
   EXPECT_THAT(
       lines(),
       ElementsAre(
@@ -237,12 +353,12 @@ TEST_F(DecoderTest, FlyingMaster_HasItsSixFrames) {
 }
 
 TEST_F(DecoderTest, FramesOfNoService_AreLayer2) {
-  hear(0x7F0, {0xDE, 0xAD});
+  receive(0x7F0, {0xDE, 0xAD});
   Frame extended = data_frame(0x183, {0x01});
   extended.extended = true;
-  hear(extended);
-  hear(remote_frame(0x7F0, 4));
-  hear(0x001, {});
+  receive(extended);
+  receive(remote_frame(0x7F0, 4));
+  receive(0x001, {});
   EXPECT_THAT(lines(), ElementsAre("layer2 | frame |  | DE AD", "layer2 | frame |  | 01",
                                    "layer2 | remote frame |  | remote frame, asks for 4 bytes",
                                    "failsafe | global failsafe command |  | "));
@@ -277,13 +393,13 @@ TEST_F(DecoderTest, FrameThatTheRecorderSentAndHeard_CountsOnce) {
 }
 
 TEST_F(DecoderFrames, SdoFrames_AreShownOneByOne) {
-  hear(0x603, {0x40, 0x08, 0x10, 0x00, 0, 0, 0, 0});
-  hear(0x583, {0x41, 0x08, 0x10, 0x00, 9, 0, 0, 0});
-  hear(0x603, {0x60, 0, 0, 0, 0, 0, 0, 0});
-  hear(0x583, {0x00, 'M', 'E', '3', 'C', 'A', 'N', '1'});
-  hear(0x603, {0x70, 0, 0, 0, 0, 0, 0, 0});
-  hear(0x583, {0x1B, '-', 'Q', 0, 0, 0, 0, 0});
-  hear(0x583, {0x80, 0x00, 0x60, 0x09, 0x11, 0x00, 0x09, 0x06});
+  receive(0x603, {0x40, 0x08, 0x10, 0x00, 0, 0, 0, 0});
+  receive(0x583, {0x41, 0x08, 0x10, 0x00, 9, 0, 0, 0});
+  receive(0x603, {0x60, 0, 0, 0, 0, 0, 0, 0});
+  receive(0x583, {0x00, 'M', 'E', '3', 'C', 'A', 'N', '1'});
+  receive(0x603, {0x70, 0, 0, 0, 0, 0, 0, 0});
+  receive(0x583, {0x1B, '-', 'Q', 0, 0, 0, 0, 0});
+  receive(0x583, {0x80, 0x00, 0x60, 0x09, 0x11, 0x00, 0x09, 0x06});
   EXPECT_THAT(
       lines(),
       ElementsAre(

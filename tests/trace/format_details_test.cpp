@@ -153,7 +153,8 @@ TEST(TrcDetails, RemoteErrorAndWarning_AreTold) {
   ASSERT_EQ(all.records.size(), 2U) << testing::PrintToString(all.errors);
   EXPECT_EQ(all.records[0].record.frame, can::remote_frame(0x100, 3));
   EXPECT_TRUE(all.records[1].record.error_frame);
-  EXPECT_EQ(all.records[1].record.frame, can::data_frame(0x88, {0, 0, 4, 0, 0, 0, 0, 0}));
+  // 00 sending, 19H acknowledge slot, REC 8, TEC 8: they are in the row, so they are in the frame
+  EXPECT_EQ(all.records[1].record.frame, can::data_frame(0x288, {0, 0, 0x84, 0x19, 0, 0, 8, 8}));
   EXPECT_EQ(all.left_out, 1U);
 }
 

@@ -100,16 +100,16 @@ class PictureTest : public testing::Test {
   void draw(const std::string& name, PictureOptions options = {}) {
     Decoder decoder(names(name), {.frames = true, .transfers = false});
     TracePicture picture(std::move(options));
-    const auto hear = [&](can::Duration at, std::uint32_t identifier,
-                          std::initializer_list<std::uint8_t> bytes) {
+    const auto receive = [&](can::Duration at, std::uint32_t identifier,
+                             std::initializer_list<std::uint8_t> bytes) {
       decoder.receive({.time = can::Time(at), .frame = data_frame(identifier, bytes)}, "line1",
                       [&](const Message& message) { picture.message(message); });
     };
-    hear(0ms, 0x703, {0x00});
-    hear(500ms, 0x000, {0x01, 0x03});
-    hear(600ms, 0x183, {10, 0, 0, 0, 0, 0, 0, 0});
-    hear(700ms, 0x083, {0x10, 0x10, 1, 0, 0, 0, 0, 0});
-    hear(1000ms, 0x183, {20, 0, 0, 0, 0, 0, 0, 0});
+    receive(0ms, 0x703, {0x00});
+    receive(500ms, 0x000, {0x01, 0x03});
+    receive(600ms, 0x183, {10, 0, 0, 0, 0, 0, 0, 0});
+    receive(700ms, 0x083, {0x10, 0x10, 1, 0, 0, 0, 0, 0});
+    receive(1000ms, 0x183, {20, 0, 0, 0, 0, 0, 0, 0});
     missing = picture.missing();
     svg = picture.svg("t.log");
   }

@@ -61,8 +61,15 @@ NamedRecord lossy(FileFormat format, NamedRecord named) {
     case FileFormat::trc: {
       record.time = Time(cut);
       if (!record.error_frame) break;
-      const auto kind = static_cast<std::uint8_t>(record.frame.data[2] & 7U);
-      record.frame = {.identifier = 0x88, .dlc = 8, .data = {0, 0, kind}};
+      // PEAK's rows have kind, direction and place of a protocol error, and the counters of every error
+      const can::Frame given = record.frame;
+      const bool has_place = (given.identifier & 0x08U) != 0;
+      const auto kind = static_cast<std::uint8_t>(has_place ? given.data[2] & 0x87U : 0U);
+      const std::uint8_t place = has_place ? given.data[3] : std::uint8_t{0};
+      const bool no_acknowledgement = kind == 0x80 && place == 0x19;
+      record.frame = {.identifier = no_acknowledgement ? 0x2A8U : 0x288U,
+                      .dlc = 8,
+                      .data = {0, 0, kind, place, 0, 0, given.data[6], given.data[7]}};
       break;
     }
     default: break;

@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 
 class StatisticsTest : public testing::Test {
  protected:
-  void hear(can::Duration at, std::uint32_t identifier, std::initializer_list<std::uint8_t> bytes) {
+  void receive(can::Duration at, std::uint32_t identifier, std::initializer_list<std::uint8_t> bytes) {
     const TraceRecord record{.time = can::Time(at), .frame = data_frame(identifier, bytes)};
     statistics.record(record, "can0");
     decoder.receive(record, "can0", take);
@@ -33,8 +33,8 @@ class StatisticsTest : public testing::Test {
 
 TEST_F(StatisticsTest, CycleTimes_AreThoseBetweenFramesOfOneIdentifier) {
   for (const auto at : {0ms, 10ms, 22ms, 30ms}) {
-    hear(at, 0x181, {1});
-    hear(at + 1ms, 0x182, {1});
+    receive(at, 0x181, {1});
+    receive(at + 1ms, 0x182, {1});
   }
   const IdentifierFigures& figures = finish().identifiers.at(0x181);
   EXPECT_EQ(figures.frames, 4U);
@@ -46,9 +46,28 @@ TEST_F(StatisticsTest, CycleTimes_AreThoseBetweenFramesOfOneIdentifier) {
   EXPECT_EQ(figures.who, "TPDO1 of 1");
 }
 
+TEST_F(StatisticsTest, MalformedMessages_AreCountedByServiceAndByNode) {
+  receive(0ms, 0x605, {0x2F, 0x00, 0x62, 0x01, 0x05});
+  receive(1ms, 0x585, {0x60, 0x00, 0x62});
+  receive(2ms, 0x000, {0x01});
+  receive(3ms, 0x085, {0x00, 0x10, 0x01});
+  receive(4ms, 0x705, {0x05});
+  const ChannelFigures& channel = finish();
+  EXPECT_EQ(statistics.malformed_services().at(static_cast<std::size_t>(Service::sdo)), 2U);
+  EXPECT_EQ(statistics.malformed_services().at(static_cast<std::size_t>(Service::nmt)), 1U);
+  EXPECT_EQ(statistics.malformed_services().at(static_cast<std::size_t>(Service::emcy)), 1U);
+  EXPECT_EQ(statistics.malformed_services().at(static_cast<std::size_t>(Service::error_control)), 0U);
+  EXPECT_EQ(channel.nodes.at(5).malformed, 3U);
+  ASSERT_EQ(statistics.malformed().size(), 4U);
+  EXPECT_EQ(statistics.malformed()[0].text, "605 sdo: 5 bytes, expected 8: 2F 00 62 01 05");
+  EXPECT_EQ(statistics.malformed()[0].node, 5);
+  EXPECT_EQ(statistics.malformed()[2].text, "000 nmt: 1 byte, expected 2: 01");
+  EXPECT_EQ(statistics.malformed()[2].node, 0);
+}
+
 TEST_F(StatisticsTest, Bits_HaveStuffBitsAndIntermission) {
-  hear(0ms, 0x123, {});
-  hear(1s, 0x000, {0x00, 0x00});
+  receive(0ms, 0x123, {});
+  receive(1s, 0x000, {0x00, 0x00});
   const ChannelFigures& channel = finish();
   EXPECT_EQ(channel.frames, 2U);
   const auto bits = [](const can::Frame& frame) { return can::frame_bits(frame) + 3U; };
@@ -59,10 +78,10 @@ TEST_F(StatisticsTest, Bits_HaveStuffBitsAndIntermission) {
 }
 
 TEST_F(StatisticsTest, LostHeartbeats_AreCountedByTheProducerTimeThatWasWritten) {
-  hear(0ms, 0x605, {0x2B, 0x17, 0x10, 0x00, 100, 0, 0, 0});
-  hear(1ms, 0x585, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0});
-  for (const auto at : {100ms, 200ms, 300ms, 601ms, 700ms}) hear(at, 0x705, {0x05});
-  hear(1000ms, 0x706, {0x05});  // the trace goes on: two more are missing
+  receive(0ms, 0x605, {0x2B, 0x17, 0x10, 0x00, 100, 0, 0, 0});
+  receive(1ms, 0x585, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0});
+  for (const auto at : {100ms, 200ms, 300ms, 601ms, 700ms}) receive(at, 0x705, {0x05});
+  receive(1000ms, 0x706, {0x05});  // the trace goes on: two more are missing
   const NodeFigures& node = finish().nodes.at(5);
   EXPECT_EQ(node.producer_time, 100ms);
   EXPECT_FALSE(node.producer_time_is_measured);
@@ -71,7 +90,7 @@ TEST_F(StatisticsTest, LostHeartbeats_AreCountedByTheProducerTimeThatWasWritten)
 }
 
 TEST_F(StatisticsTest, ProducerTime_IsMeasuredWhereNobodySaysIt) {
-  for (const auto at : {100ms, 200ms, 300ms, 400ms, 700ms, 800ms}) hear(at, 0x705, {0x05});
+  for (const auto at : {100ms, 200ms, 300ms, 400ms, 700ms, 800ms}) receive(at, 0x705, {0x05});
   const NodeFigures& node = finish().nodes.at(5);
   EXPECT_EQ(node.producer_time, 100ms);
   EXPECT_TRUE(node.producer_time_is_measured);
@@ -79,24 +98,24 @@ TEST_F(StatisticsTest, ProducerTime_IsMeasuredWhereNobodySaysIt) {
 }
 
 TEST_F(StatisticsTest, NodeThatBoots_HasLostNoHeartbeat) {
-  hear(0ms, 0x605, {0x2B, 0x17, 0x10, 0x00, 100, 0, 0, 0});
-  hear(1ms, 0x585, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0});
-  hear(100ms, 0x705, {0x05});
-  hear(900ms, 0x705, {0x00});
-  hear(1200ms, 0x705, {0x7F});  // its producer time may be another one now
+  receive(0ms, 0x605, {0x2B, 0x17, 0x10, 0x00, 100, 0, 0, 0});
+  receive(1ms, 0x585, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0});
+  receive(100ms, 0x705, {0x05});
+  receive(900ms, 0x705, {0x00});
+  receive(1200ms, 0x705, {0x7F});  // its producer time may be another one now
   const NodeFigures& node = finish().nodes.at(5);
   EXPECT_EQ(node.boot_ups, 1U);
   EXPECT_EQ(node.lost_heartbeats, 0U);
 }
 
 TEST_F(StatisticsTest, SdoTransfers_AreCountedPerNodeWithTheirTimes) {
-  hear(0ms, 0x605, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
-  hear(2ms, 0x585, {0x43, 0x00, 0x10, 0x00, 1, 0, 0, 0});
-  hear(10ms, 0x605, {0x40, 0x01, 0x10, 0x00, 0, 0, 0, 0});
-  hear(14ms, 0x585, {0x4F, 0x01, 0x10, 0x00, 1, 0, 0, 0});
-  hear(20ms, 0x605, {0x2F, 0x00, 0x20, 0x00, 0, 0, 0, 0});
-  hear(21ms, 0x585, {0x80, 0x00, 0x20, 0x00, 0x00, 0x00, 0x02, 0x06});
-  hear(30ms, 0x605, {0x40, 0x02, 0x10, 0x00, 0, 0, 0, 0});
+  receive(0ms, 0x605, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
+  receive(2ms, 0x585, {0x43, 0x00, 0x10, 0x00, 1, 0, 0, 0});
+  receive(10ms, 0x605, {0x40, 0x01, 0x10, 0x00, 0, 0, 0, 0});
+  receive(14ms, 0x585, {0x4F, 0x01, 0x10, 0x00, 1, 0, 0, 0});
+  receive(20ms, 0x605, {0x2F, 0x00, 0x20, 0x00, 0, 0, 0, 0});
+  receive(21ms, 0x585, {0x80, 0x00, 0x20, 0x00, 0x00, 0x00, 0x02, 0x06});
+  receive(30ms, 0x605, {0x40, 0x02, 0x10, 0x00, 0, 0, 0, 0});
   const NodeFigures& node = finish().nodes.at(5);
   EXPECT_EQ(node.reads, 2U);
   EXPECT_EQ(node.writes, 1U);
@@ -110,11 +129,31 @@ TEST_F(StatisticsTest, SdoTransfers_AreCountedPerNodeWithTheirTimes) {
 }
 
 TEST_F(StatisticsTest, Emergencies_AreListed) {
-  hear(5ms, 0x085, {0x30, 0x81, 0x11, 0, 0, 0, 0, 0});
+  receive(5ms, 0x085, {0x30, 0x81, 0x11, 0, 0, 0, 0, 0});
   EXPECT_EQ(finish().nodes.at(5).emergencies, 1U);
   ASSERT_EQ(statistics.emergencies().size(), 1U);
   EXPECT_EQ(statistics.emergencies()[0].node, 5);
   EXPECT_EQ(statistics.services().at(static_cast<std::size_t>(Service::emcy)), 1U);
+}
+
+/// A scan asks all node-IDs: those that are not there are no failures of the network.
+TEST_F(StatisticsTest, NodesThatAScanAsksInVain_AreCountedApart) {
+  for (const unsigned node : {1U, 2U, 3U, 9U}) {
+    receive(0ms, 0x600U + node, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
+    if (node == 3) receive(1ms, 0x583, {0x43, 0x00, 0x10, 0x00, 0x91, 0x01, 0x00, 0x00});
+    if (node == 2)
+      receive(200ms, 0x602, {0x80, 0x00, 0x10, 0x00, 0x00, 0x00, 0x04, 0x05});  // the time-out of a client
+  }
+  receive(300ms, 0x709, {0x05});
+  receive(400ms, 0x604, {0x40, 0x08, 0x10, 0x00, 0, 0, 0, 0});
+  const ChannelFigures& channel = finish();
+  EXPECT_THAT(channel.absent, testing::ElementsAre(1, 2));
+  EXPECT_FALSE(channel.nodes.contains(1));
+  EXPECT_FALSE(channel.nodes.contains(2));
+  EXPECT_EQ(channel.nodes.at(3).reads, 1U);
+  EXPECT_EQ(channel.nodes.at(9).unanswered, 1U) << "it has a heartbeat: that it does not answer is a failure";
+  EXPECT_EQ(channel.nodes.at(4).unanswered, 1U) << "not what a scan asks for";
+  ASSERT_EQ(statistics.failures().size(), 2U);
 }
 
 }  // namespace

@@ -19,7 +19,9 @@ struct NamedRecord {
 struct WholeTrace {
   std::vector<NamedRecord> records{};  // record.channel is 0
   std::vector<std::string> errors{};
-  std::size_t left_out = 0;
+  std::uint64_t left_out = 0;
+  std::uint64_t lost = 0;
+  std::string left_out_text{};
 };
 
 inline WholeTrace read_whole(OpenedReader reader) {
@@ -39,7 +41,9 @@ inline WholeTrace read_whole(OpenedReader reader) {
     named.record.channel = 0;
     all.records.push_back(std::move(named));
   }
-  all.left_out = (*reader)->left_out();
+  all.left_out = (*reader)->left_out().total();
+  all.lost = (*reader)->left_out().lost();
+  all.left_out_text = (*reader)->left_out().text();
   return all;
 }
 

@@ -140,8 +140,8 @@ void BusKnowledge::use_sdo(std::uint8_t node, std::uint16_t index) {
 }
 
 void BusKnowledge::use_pdo(std::uint8_t node, std::uint16_t communication) {
-  const std::uint32_t who = place(node, communication, 0);
-  if (const auto old = pdo_keys_.find(who); old != pdo_keys_.end()) {
+  const std::uint32_t record = place(node, communication, 0);
+  if (const auto old = pdo_keys_.find(record); old != pdo_keys_.end()) {
     auto& others = pdos_[old->second];
     std::erase_if(others, [&](const PdoFacts& pdo) {
       return pdo.node == node && pdo.transmit == (communication >= 0x1800) &&
@@ -168,7 +168,7 @@ void BusKnowledge::use_pdo(std::uint8_t node, std::uint16_t communication) {
     pdo.mapping.push_back(*mapped);
   }
   pdos_[cob_id.key()].push_back(std::move(pdo));
-  pdo_keys_[who] = cob_id.key();
+  pdo_keys_[record] = cob_id.key();
 }
 
 }  // namespace canopus::trace

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/trace/decode/decoder_channel.hpp"
@@ -25,12 +26,12 @@ constexpr std::uint32_t lss_slave = 0x7E4, lss_master = 0x7E5, failsafe = 0x001;
 /// "5 bytes, expected 8".
 void malformed(Message& message, std::string_view expected) {
   message.kind = "malformed";
-  message.text =
-      fmt::format("{} byte{}, expected {}: {}", message.frame.length(),
-                  message.frame.length() == 1 ? "" : "s", expected, hexadecimal(message.frame.bytes()));
+  message.is_malformed = true;
+  message.text = fmt::format("{}, expected {}: {}", ascii::counted(message.frame.length(), "byte"), expected,
+                             hexadecimal(message.frame.bytes()));
 }
 
-void take_data(Message& message) {
+void copy_data(Message& message) {
   const auto bytes = message.frame.bytes();
   message.data.assign(bytes.begin(), bytes.end());
 }
@@ -38,15 +39,15 @@ void take_data(Message& message) {
 void decode_layer2(Message& message) {
   message.service = Service::layer2;
   message.kind = message.frame.remote ? "remote frame" : "frame";
-  take_data(message);
-  message.text = message.frame.remote ? fmt::format("remote frame, asks for {} bytes", message.frame.dlc)
+  copy_data(message);
+  message.text = message.frame.remote ? "remote frame, asks for " + ascii::counted(message.frame.dlc, "byte")
                                       : hexadecimal(message.frame.bytes());
 }
 
 void decode_sync(Message& message) {
   message.service = Service::sync;
   message.kind = "SYNC";
-  take_data(message);
+  copy_data(message);
   if (message.data.size() == 1) message.text = fmt::format("counter {}", message.data[0]);
   if (message.data.size() > 1) malformed(message, "0 or 1");
 }
@@ -54,7 +55,7 @@ void decode_sync(Message& message) {
 void decode_time(Message& message) {
   message.service = Service::time;
   message.kind = "TIME";
-  take_data(message);
+  copy_data(message);
   if (message.data.size() < 6) return malformed(message, "6");
   message.text =
       value_text(std::span(message.data).first(6), canopen::DataType::time_of_day) + " since 1984-01-01";
@@ -62,7 +63,7 @@ void decode_time(Message& message) {
 
 void decode_lss(Message& message) {
   message.service = Service::lss;
-  take_data(message);
+  copy_data(message);
   if (message.data.size() != 8) return malformed(message, "8");
   LssText text = lss_text(message.frame, message.frame.identifier == lss_master);
   message.kind = text.kind;
@@ -72,9 +73,11 @@ void decode_lss(Message& message) {
 void decode_flying_master(Message& message) {
   message.service = Service::flying_master;
   message.kind = flying_master_name(message.frame.identifier);
-  take_data(message);
+  copy_data(message);
   message.text = message.kind;
-  if (message.frame.identifier == 0x071 && message.data.size() >= 2) {
+  if (message.frame.identifier == 0x071 && message.data.size() < 2) {
+    malformed(message, "2");
+  } else if (message.frame.identifier == 0x071) {
     message.node = message.data[1] & 0x7FU;
     message.text += fmt::format(": node {}, priority level {}", message.data[1], message.data[0]);
   } else if (!message.data.empty()) {
@@ -85,7 +88,7 @@ void decode_flying_master(Message& message) {
 void decode_error_frame(Message& message) {
   message.service = Service::error_frame;
   message.kind = "error frame";
-  take_data(message);
+  copy_data(message);
   message.text = error_frame_text(message.frame);
 }
 
@@ -187,7 +190,7 @@ void Decoder::decode(Channel& channel, Message& message) {
 
 void Decoder::decode_nmt(Message& message) const {
   message.service = Service::nmt;
-  take_data(message);
+  copy_data(message);
   message.kind = "command";
   if (message.data.size() != 2) return malformed(message, "2");
   message.node = message.data[1] & 0x7FU;
@@ -211,7 +214,7 @@ void Decoder::decode_error_control(Channel& channel, Message& message) const {
     message.text = "guarding request";
     return;
   }
-  take_data(message);
+  copy_data(message);
   if (message.data.size() != 1) return malformed(message, "1");
   const std::uint8_t value = message.data[0];
   const auto state = canopen::name(static_cast<canopen::NmtState>(value & 0x7FU));
@@ -219,6 +222,7 @@ void Decoder::decode_error_control(Channel& channel, Message& message) const {
     message.kind = "boot-up";
     message.text = "boot-up";
     channel.guarded.reset(message.node);
+    channel.toggles[message.node] = true;  // the first answer after it has 0 [CiA 301 7.2.8.3.2.1]
     return;
   }
   const bool answers = channel.guarded.test(message.node);
@@ -226,37 +230,50 @@ void Decoder::decode_error_control(Channel& channel, Message& message) const {
   message.kind = answers || value >= 0x80 ? "guarding answer" : "heartbeat";
   message.text =
       state == "unknown" ? fmt::format("unknown state {:02X}H", value & 0x7FU) : std::string(state);
-  if (message.kind == "guarding answer") message.text += fmt::format(", toggle {}", value >> 7);
+  const bool toggle = value >= 0x80;
+  if (message.kind != "guarding answer") {
+    channel.toggles[message.node].reset();  // a heartbeat has no toggle bit
+    return;
+  }
+  const auto before = std::exchange(channel.toggles[message.node], toggle);
+  message.text += fmt::format(", toggle {}", toggle ? 1 : 0);
+  if (before == toggle) {
+    message.is_malformed = true;
+    message.text += fmt::format(", expected {}: it does not alternate", toggle ? 0 : 1);
+  }
 }
 
 void Decoder::decode_emcy(Message& message) const {
   message.service = Service::emcy;
   message.kind = "EMCY";
-  take_data(message);
+  copy_data(message);
   if (message.data.size() < 3) return malformed(message, "8");
   message.emcy_code = can::load_as<std::uint16_t>(message.data.data());
   message.text = emcy_text(message.frame);
-  if (message.data.size() != 8) message.text += fmt::format(" ({} bytes, expected 8)", message.data.size());
+  message.is_malformed = message.data.size() != 8;
+  if (message.is_malformed)
+    message.text += fmt::format(" ({}, expected 8)", ascii::counted(message.data.size(), "byte"));
 }
 
 void Decoder::expire(Channel& channel, can::Time now, const Sink& sink) {
   if (now < channel.next_expiry && channel.next_expiry - now < 2s) return;
   channel.next_expiry = can::later(now, 1s);
-  for (auto& [place, follower] : channel.sdo) {
-    if (!follower.is_active() || now - follower.last() < options_.sdo_time_out) continue;
-    Message at{.time = follower.last(), .channel = channel.number, .frame = follower.last_frame()};
-    if (auto ended = follower.give_up())
-      emit_transfer(channel, static_cast<std::uint8_t>(place >> 24), at, std::move(*ended), sink);
-  }
+  for (auto& [place, sdo] : channel.sdo)
+    emit_ended(channel, static_cast<std::uint8_t>(place >> 24), sdo.expire(now, options_.sdo_time_out), sink);
 }
 
 void Decoder::finish(const Sink& sink) {
   for (auto& [number, channel] : channels_) {
-    for (auto& [place, follower] : channel->sdo) {
-      Message at{.time = follower.last(), .channel = number, .frame = follower.last_frame()};
-      if (auto ended = follower.give_up())
-        emit_transfer(*channel, static_cast<std::uint8_t>(place >> 24), at, std::move(*ended), sink);
-    }
+    for (auto& [place, sdo] : channel->sdo)
+      emit_ended(*channel, static_cast<std::uint8_t>(place >> 24), sdo.give_up(), sink);
+  }
+}
+
+void Decoder::emit_ended(Channel& channel, std::uint8_t server, std::vector<EndedSdoTransfer> ended,
+                         const Sink& sink) {
+  for (EndedSdoTransfer& one : ended) {
+    const Message at{.time = one.transfer.last, .channel = channel.number, .frame = one.frame};
+    emit_transfer(channel, server, at, std::move(one.transfer), sink);
   }
 }
 

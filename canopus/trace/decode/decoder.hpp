@@ -15,7 +15,7 @@
 #include "canopus/trace/decode/message.hpp"
 #include "canopus/trace/decode/names.hpp"
 #include "canopus/trace/decode/object_facts.hpp"
-#include "canopus/trace/decode/sdo_follower.hpp"
+#include "canopus/trace/decode/sdo_channel.hpp"
 
 namespace canopus::trace {
 
@@ -58,6 +58,8 @@ class Decoder {
   void receive_sdo(Channel& channel, Message& message, const SdoSide& side, const Sink& sink);
   void emit_transfer(Channel& channel, std::uint8_t server, const Message& at, SdoTransfer transfer,
                      const Sink& sink);
+  void emit_ended(Channel& channel, std::uint8_t server, std::vector<EndedSdoTransfer> ended,
+                  const Sink& sink);
   void expire(Channel& channel, can::Time now, const Sink& sink);
   void name_node(const Channel& channel, Message& message) const;
 

@@ -1,9 +1,11 @@
 #pragma once
 // The state of a decoder for one channel.
 
+#include <array>
 #include <bitset>
 #include <deque>
 #include <map>
+#include <optional>
 
 #include "canopus/trace/decode/decoder.hpp"
 
@@ -26,9 +28,10 @@ struct Decoder::Channel {
 
   BusKnowledge knowledge;
   std::uint16_t number = 0;
-  std::map<std::uint32_t, SdoFollower> sdo;  // server, channel
-  std::bitset<128> guarded;                  // a guarding request is not answered yet
-  std::deque<Message> sent;                  // by the recorder itself, not received yet
+  std::map<std::uint32_t, SdoChannel> sdo;         // server, channel
+  std::bitset<128> guarded;                        // a guarding request is not answered yet
+  std::array<std::optional<bool>, 128> toggles{};  // of the last error control message of each node
+  std::deque<Message> sent;                        // by the recorder itself, not received yet
   std::map<std::uint32_t, ObjectFacts> known_facts;
   can::Time next_expiry{};
 };

@@ -4,11 +4,13 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/trace/decode/decoder.hpp"
 #include "canopus/trace/decode/decoder_channel.hpp"
 #include "canopus/trace/decode/value_text.hpp"
+#include "canopus/trace/decode/value_words.hpp"
 
 namespace canopus::trace {
 namespace {
@@ -16,11 +18,14 @@ namespace {
 /// Data types 0001H.. fill bits of an RPDO that mean nothing.
 constexpr bool is_dummy(std::uint16_t index) noexcept { return index < 0x0020; }
 
+constexpr std::uint64_t bits_of(std::uint64_t raw, unsigned bits) noexcept {
+  return bits < 64 ? raw & ((std::uint64_t{1} << bits) - 1) : raw;
+}
+
 /// A value of `bits` bits as its type has it: enough bytes for the type.
 std::string signal_text(std::uint64_t raw, unsigned bits, canopen::DataType type) {
-  if (bits < 64) raw &= (std::uint64_t{1} << bits) - 1;
   std::array<std::uint8_t, 8> bytes{};
-  can::store_value(bytes.data(), raw, 8);
+  can::store_value(bytes.data(), bits_of(raw, bits), 8);
   const unsigned natural = canopen::byte_length(type);
   const std::size_t length = natural != 0 ? natural : (bits + 7) / 8;
   return value_text(std::span(bytes).first(length), type);
@@ -70,6 +75,8 @@ void Decoder::decode_mpdo(Channel& channel, Message& message) const {
 
 void Decoder::decode_signals(Channel& channel, Message& message, const PdoFacts& pdo) {
   const std::uint64_t raw = can::load_value(message.data);
+  const NodeDescription* const node = channel.knowledge.node(pdo.node);
+  const canopen::DictionaryDescription* const dictionary = node == nullptr ? nullptr : node->dictionary.get();
   const unsigned room = static_cast<unsigned>(message.data.size()) * 8;
   unsigned bit = 0;
   for (const std::uint32_t entry : pdo.mapping) {
@@ -92,15 +99,22 @@ void Decoder::decode_signals(Channel& channel, Message& message, const PdoFacts&
                   .type = facts.type,
                   .name = facts.name,
                   .value = signal_text(raw >> first, bits, type),
-                  .number = number_of(raw >> first, bits, facts.type)};
+                  .number = number_of(raw >> first, bits, facts.type),
+                  .unit = value_unit(dictionary, index, sub)};
+    const ValueWords words = value_words(dictionary, index, sub, bits_of(raw >> first, bits));
+    signal.words = words.state.empty() ? words.text() : std::string(words.state);
     message.text += message.text.empty() ? "" : ", ";
     message.text +=
         (signal.name.empty() ? canopen::object_text(index, sub) : signal.name) + " = " + signal.value;
+    if (!signal.unit.empty()) message.text += fmt::format(" {}", signal.unit);
+    if (!signal.words.empty()) message.text += fmt::format(" ({})", signal.words);
     message.signals.push_back(std::move(signal));
   }
   if (message.signals.empty()) message.text = hexadecimal(message.data);
-  if (!pdo.mapping.empty() && bit > room)
-    message.text += fmt::format(" (too short: {} bytes of {})", message.data.size(), (bit + 7) / 8);
+  message.is_malformed = !pdo.mapping.empty() && bit > room;
+  if (message.is_malformed)
+    message.text +=
+        fmt::format(" (too short: {} of {})", ascii::counted(message.data.size(), "byte"), (bit + 7) / 8);
 }
 
 }  // namespace canopus::trace

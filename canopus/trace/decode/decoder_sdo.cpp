@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/dictionary/abort_code.hpp"
 #include "canopus/canopen/dictionary/object_text.hpp"
@@ -11,6 +12,7 @@
 #include "canopus/trace/decode/decoder.hpp"
 #include "canopus/trace/decode/decoder_channel.hpp"
 #include "canopus/trace/decode/value_text.hpp"
+#include "canopus/trace/decode/value_words.hpp"
 
 namespace canopus::trace {
 namespace {
@@ -36,7 +38,8 @@ std::string frame_text(const SdoFrame& frame, std::string_view object, canopen::
   if (!object.empty()) text += fmt::format(" {}", object);
   if (frame.sequence) text += fmt::format(", number {}", *frame.sequence);
   if (frame.toggle) text += fmt::format(", toggle {}", *frame.toggle ? 1 : 0);
-  if (frame.size) text += fmt::format(", {} bytes", *frame.size);
+  if (frame.expected_toggle) text += fmt::format(", expected {}", *frame.expected_toggle ? 1 : 0);
+  if (frame.size) text += ", " + ascii::counted(*frame.size, "byte");
   if (frame.block_size) text += fmt::format(", block size {}", *frame.block_size);
   if (frame.last) text += ", last";
   if (frame.abort_code) text += ": " + abort_text(*frame.abort_code);
@@ -52,29 +55,48 @@ std::string end_text(const SdoTransfer& transfer, const std::string& took) {
     case TransferEnd::aborted:
       return fmt::format("aborted by the {} after {}: {}", transfer.aborted_by_client ? "client" : "server",
                          took, abort_text(transfer.abort_code.value_or(0)));
-    case TransferEnd::unanswered: return "no answer";
+    case TransferEnd::unanswered:
+      return transfer.short_answer ? fmt::format("no valid answer: one of {}, expected 8",
+                                                 ascii::counted(*transfer.short_answer, "byte"))
+                                   : "no answer";
     case TransferEnd::unfinished:
-      return fmt::format("unfinished after {} bytes in {} frames, {}", transfer.size, transfer.frames, took);
+      return fmt::format("unfinished after {} in {}, {}", ascii::counted(transfer.size, "byte"),
+                         ascii::counted(transfer.frames, "frame"), took);
     case TransferEnd::overtaken:
-      return fmt::format("overtaken by another request after {} bytes in {} frames, {}", transfer.size,
-                         transfer.frames, took);
+      return fmt::format("overtaken by another request after {} in {}, {}",
+                         ascii::counted(transfer.size, "byte"), ascii::counted(transfer.frames, "frame"),
+                         took);
     case TransferEnd::done: break;
   }
   return {};
 }
 
-std::string value_and_facts(const SdoTransfer& transfer, canopen::DataType type, const std::string& took) {
+/// The value with its unit, and in words what it has in words.
+std::string value_in_words(const SdoTransfer& transfer, canopen::DataType type,
+                           const canopen::DictionaryDescription* dictionary) {
+  std::string text = object_value_text(transfer.index, transfer.sub, transfer.data, type);
+  if (transfer.data.empty() || transfer.data.size() > 8) return text;
+  if (object_unit(transfer.index, transfer.sub).empty()) {
+    const std::string_view unit = value_unit(dictionary, transfer.index, transfer.sub);
+    if (!unit.empty()) text += fmt::format(" {}", unit);
+  }
+  const ValueWords words =
+      value_words(dictionary, transfer.index, transfer.sub, can::load_value(transfer.data));
+  return words.empty() ? text : text + " " + words.text();
+}
+
+std::string value_and_facts(const SdoTransfer& transfer, canopen::DataType type, const std::string& took,
+                            const canopen::DictionaryDescription* dictionary) {
   std::string facts;
   if (type != canopen::DataType::none) facts = fmt::format("{}, ", eds::name(type));
   const bool has_fixed_length =
       canopen::byte_length(type) != 0 && canopen::byte_length(type) == transfer.size;
-  if (!has_fixed_length) facts += fmt::format("{} byte{}, ", transfer.size, transfer.size == 1 ? "" : "s");
+  if (!has_fixed_length) facts += ascii::counted(transfer.size, "byte") + ", ";
   if (transfer.is_block) facts += "block transfer, ";
   std::string note;
   if (transfer.announced && *transfer.announced != transfer.size)
-    note = fmt::format("; {} bytes were announced", *transfer.announced);
-  return fmt::format("{} ({}{}){}", object_value_text(transfer.index, transfer.sub, transfer.data, type),
-                     facts, took, note);
+    note = fmt::format("; {} announced", ascii::counted(*transfer.announced, "byte"));
+  return fmt::format("{} ({}{}){}", value_in_words(transfer, type, dictionary), facts, took, note);
 }
 
 }  // namespace
@@ -83,17 +105,21 @@ void Decoder::receive_sdo(Channel& channel, Message& message, const SdoSide& sid
   message.service = Service::sdo;
   message.node = side.server;
   name_node(channel, message);
+  SdoChannel& sdo = channel.sdo[std::uint32_t{side.server} << 24 | side.channel];
   const auto bytes = message.frame.bytes();
   if (bytes.size() != 8) {
     message.kind = "malformed";
+    message.is_malformed = true;
     message.data.assign(bytes.begin(), bytes.end());
-    message.text = fmt::format("{} bytes, expected 8: {}", bytes.size(), hexadecimal(bytes));
-    if (options_.frames) sink(message);
-    return;
+    message.text =
+        fmt::format("{}, expected 8: {}", ascii::counted(bytes.size(), "byte"), hexadecimal(bytes));
+    if (!side.from_client) sdo.note_short_answer(bytes);
+    return sink(message);
   }
-  SdoFollower& follower = channel.sdo[std::uint32_t{side.server} << 24 | side.channel];
-  SdoFollower::Step step = follower.follow(message.frame, side.from_client, message.time);
-  if (options_.frames) {
+  SdoFollower::Step step = sdo.follow(message.frame, side.from_client, message.time);
+  message.is_malformed = step.frame.expected_toggle.has_value();
+  const bool is_shown = options_.frames || message.is_malformed;
+  if (is_shown) {
     const SdoFrame& frame = step.frame;
     message.kind = frame.kind;
     message.data = frame.data;
@@ -114,7 +140,7 @@ void Decoder::receive_sdo(Channel& channel, Message& message, const SdoSide& sid
     message.text = frame_text(shown, object, type, whole);
   }
   Message at = message;
-  if (options_.frames) sink(message);
+  if (is_shown) sink(message);
   if (step.overtaken) {
     at.time = step.overtaken->last;
     emit_transfer(channel, side.server, at, std::move(*step.overtaken), sink);
@@ -125,6 +151,8 @@ void Decoder::receive_sdo(Channel& channel, Message& message, const SdoSide& sid
 
 void Decoder::emit_transfer(Channel& channel, std::uint8_t server, const Message& at, SdoTransfer transfer,
                             const Sink& sink) {
+  const NodeDescription* const node = channel.knowledge.node(server);
+  const canopen::DictionaryDescription* const dictionary = node == nullptr ? nullptr : node->dictionary.get();
   const ObjectFacts facts =
       transfer.is_joined ? ObjectFacts{} : channel.facts(server, transfer.index, transfer.sub);
   const std::size_t before = transfer.data.size();
@@ -152,9 +180,10 @@ void Decoder::emit_transfer(Channel& channel, std::uint8_t server, const Message
   const std::string took = duration_text(message.duration.count());
   const std::string object = transfer.is_joined ? "unknown object, begun before the trace,"
                                                 : named_object(transfer.index, transfer.sub, facts.name);
-  message.text = fmt::format("{} {}: {}", object, message.kind,
-                             transfer.end == TransferEnd::done ? value_and_facts(transfer, facts.type, took)
-                                                               : end_text(transfer, took));
+  message.text =
+      fmt::format("{} {}: {}", object, message.kind,
+                  transfer.end == TransferEnd::done ? value_and_facts(transfer, facts.type, took, dictionary)
+                                                    : end_text(transfer, took));
   message.data = std::move(transfer.data);
   sink(message);
 }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "canopus/can/little_endian.hpp"
+#include "canopus/lss/lss.hpp"
 #include "canopus/trace/decode/service_text.hpp"
 
 namespace canopus::trace {
@@ -12,7 +13,6 @@ namespace {
 
 constexpr std::array<std::string_view, 4> parts{"vendor-ID", "product code", "revision number",
                                                 "serial number"};
-constexpr std::array<std::uint32_t, 10> rates{1000, 800, 500, 250, 125, 100, 50, 20, 10, 0};
 
 std::uint32_t number(const can::Frame& frame) noexcept { return can::load_as<std::uint32_t>(&frame.data[1]); }
 
@@ -29,9 +29,11 @@ std::string result(const can::Frame& frame, std::string_view refusal) {
 
 std::string rate_text(const can::Frame& frame) {
   if (frame.data[1] != 0) return fmt::format("table {}, index {}", frame.data[1], frame.data[2]);
-  if (frame.data[2] == 9) return "automatic detection";
-  if (frame.data[2] > 8 || frame.data[2] == 5) return fmt::format("reserved index {}", frame.data[2]);
-  return fmt::format("{} kbit/s", rates[frame.data[2]]);
+  const std::uint8_t index = frame.data[2];
+  if (index == 9) return "automatic detection";
+  if (index >= lss::bit_rates.size() || lss::bit_rates[index] == 0)
+    return fmt::format("reserved index {}", index);
+  return fmt::format("{} kbit/s", lss::bit_rates[index] / 1000);
 }
 
 std::string node_id_text(std::uint8_t node_id) {

@@ -44,6 +44,8 @@ struct Signal {
   std::string name{};                                ///< of the object; empty: not known
   std::string value{};                               ///< for people, without unit
   std::optional<double> number{};                    ///< of a numeric type
+  std::string_view unit{};                           ///< of CiA 301 or 402; empty: none is known
+  std::string words{};                               ///< a state, or bits, in words; empty: it has none
 };
 
 /// How an SDO transfer ended.
@@ -76,6 +78,8 @@ struct Message {
   std::vector<Signal> signals{};
   std::string text{};    ///< for people, without time, channel, identifier, service and node
   bool is_copy = false;  ///< the recorder received its own frame and recorded it again
+  /// Against its protocol: too short or too long, or a toggle bit that does not alternate. `text` says what was expected.
+  bool is_malformed = false;
 
   // Of transfers only.
   bool is_transfer = false;

@@ -110,7 +110,7 @@ constexpr std::array meanings{
         "CiA 301 7.5.2.19"},
     MeaningRow{0x1017, 0x1017, other_subs, "How often the device sends its heartbeat; 0: it sends none.",
                "CiA 301 7.5.2.20"},
-    MeaningRow{0x1018, 0x1018, 1, "Who made the device: its number with CiA.", "CiA 301 7.5.2.21"},
+    MeaningRow{0x1018, 0x1018, 1, "The vendor of the device: its number from CiA.", "CiA 301 7.5.2.21"},
     MeaningRow{0x1018, 0x1018, 2, "Which device it is, by the manufacturer.", "CiA 301 7.5.2.21"},
     MeaningRow{0x1018, 0x1018, 3, "Which version: what it does on CANopen changes with the high 16 bits.",
                "CiA 301 7.5.2.21"},
@@ -168,7 +168,7 @@ constexpr std::array meanings{
     MeaningRow{
         0x1600, 0x17FF, other_subs,
         "Where the next bits of the PDO go: index, sub-index and length in bits, 60000108H is 8 bits for "
-        "6000H:01.",
+        "6000:01.",
         "CiA 301 7.5.2.36"},
     MeaningRow{
         0x1800, 0x19FF, 1,
@@ -191,7 +191,7 @@ constexpr std::array meanings{
     MeaningRow{
         0x1A00, 0x1BFF, other_subs,
         "Where the next bits of the PDO come from: index, sub-index and length in bits, 60000108H is 8 bits "
-        "of 6000H:01.",
+        "of 6000:01.",
         "CiA 301 7.5.2.38"},
     MeaningRow{0x1F20, 0x1F20, other_subs, "The DCF of a slave; its sub-index is the node-ID.", "CiA 302-3"},
     MeaningRow{
@@ -204,18 +204,18 @@ constexpr std::array meanings{
         "\"conf\" (666E6F63H) written configures this slave again; its sub-index is the node-ID, 80H: all.",
         "CiA 302-3"},
     MeaningRow{0x1F26, 0x1F26, other_subs,
-               "The day of configuration that 1020H:01 of this slave must have, else it is configured; its "
+               "The day of configuration that 1020:01 of this slave must have, else it is configured; its "
                "sub-index is the node-ID.",
                "CiA 302-3"},
     MeaningRow{0x1F27, 0x1F27, other_subs,
-               "The time of configuration that 1020H:02 of this slave must have, else it is configured; its "
+               "The time of configuration that 1020:02 of this slave must have, else it is configured; its "
                "sub-index is the node-ID.",
                "CiA 302-3"},
     MeaningRow{0x1F50, 0x1F50, other_subs, "A program of the device is downloaded here.", "CiA 302-3"},
     MeaningRow{0x1F51, 0x1F51, other_subs, "A program of the device: 0 stop, 1 start, 2 reset, 3 clear.",
                "CiA 302-3"},
-    MeaningRow{0x1F56, 0x1F56, other_subs, "By which number a program of the device is told from other_subs.",
-               "CiA 302-3"},
+    MeaningRow{0x1F56, 0x1F56, other_subs,
+               "By which number a program of the device is distinguished from others.", "CiA 302-3"},
     MeaningRow{0x1F57, 0x1F57, other_subs, "Whether a download into the flash goes on, and how it ended.",
                "CiA 302-3"},
     MeaningRow{

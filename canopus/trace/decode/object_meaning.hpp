@@ -13,7 +13,7 @@ struct ObjectMeaning {
   std::string_view source{};  ///< "CiA 301 7.5.2.20"
 };
 
-/// The meaning of a sub-index; of equal ones (1016H:03) their common meaning.
+/// The meaning of a sub-index; of equal ones (1016:03) their common meaning.
 [[nodiscard]] ObjectMeaning object_meaning(std::uint16_t index, std::uint8_t sub) noexcept;
 
 }  // namespace canopus::trace

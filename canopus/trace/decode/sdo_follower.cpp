@@ -47,7 +47,7 @@ SdoFollower::Step SdoFollower::follow(const can::Frame& frame, bool from_client,
     step.frame.kind = "abort";
     address(frame, step.frame);
     step.frame.abort_code = sdo::value(frame);
-    // An abort without a transfer, or of another object, may have 0000H:00 when its sender has no transfer.
+    // An abort without a transfer, or of another object, may have 0000:00 when its sender has no transfer.
     if (was_active) {
       transfer_.last = now;
       ++transfer_.frames;
@@ -105,11 +105,11 @@ void SdoFollower::begin(const can::Frame& frame, bool is_read, bool is_block, ca
                .begin = now,
                .last = now};
   phase_ = Phase::initiated;
-  expedited_ = last_segment_ = last_in_block_ = false;
+  expedited_ = toggle_ = last_segment_ = last_in_block_ = false;
   block_.clear();
 }
 
-void SdoFollower::take(std::span<const std::uint8_t> bytes) {
+void SdoFollower::append(std::span<const std::uint8_t> bytes) {
   transfer_.size += bytes.size();
   const std::size_t room = most_sdo_data - std::min(most_sdo_data, transfer_.data.size());
   bytes = bytes.first(std::min(bytes.size(), room));
@@ -132,14 +132,19 @@ void SdoFollower::client_frame(const can::Frame& frame, can::Time now, Step& ste
       step.frame.kind = "download segment";
       segment(frame, step);
       if (phase_ != Phase::segments || transfer_.is_read) return;
-      take(step.frame.data);
+      check_toggle(step);
+      toggle_ = *step.frame.toggle;
+      append(step.frame.data);
       last_segment_ = step.frame.last;
       phase_ = Phase::segment_sent;
       return;
     case sdo::ClientCommand::upload_segment:
       step.frame.kind = "upload segment request";
       step.frame.toggle = (frame.data[0] & sdo::toggle_bit) != 0;
-      if (phase_ == Phase::segments && transfer_.is_read) phase_ = Phase::segment_sent;
+      if (phase_ != Phase::segments || !transfer_.is_read) return;
+      check_toggle(step);
+      toggle_ = *step.frame.toggle;
+      phase_ = Phase::segment_sent;
       return;
     case sdo::ClientCommand::block_upload: return client_block_upload(frame, now, step);
     case sdo::ClientCommand::block_download: return client_block_download(frame, now, step);
@@ -157,7 +162,7 @@ void SdoFollower::initiate_download(const can::Frame& frame, can::Time now, Step
     const auto bytes = expedited_data(frame);
     step.frame.data.assign(bytes.begin(), bytes.end());
     step.frame.length_unstated = transfer_.length_unstated = !sized;
-    take(bytes);
+    append(bytes);
   } else if (sized) {
     step.frame.size = transfer_.announced = sdo::value(frame);
   }
@@ -169,6 +174,11 @@ void SdoFollower::segment(const can::Frame& frame, Step& step) {
   step.frame.last = (frame.data[0] & sdo::last_bit) != 0;
   const auto bytes = std::span<const std::uint8_t>(frame.data).subspan(1, 7 - unused);
   step.frame.data.assign(bytes.begin(), bytes.end());
+}
+
+/// It is 0 in the first segment and alternates; the server returns the client's.
+void SdoFollower::check_toggle(Step& step) const {
+  if (step.frame.toggle != toggle_) step.frame.expected_toggle = toggle_;
 }
 
 void SdoFollower::server_frame(const can::Frame& frame, Step& step) {
@@ -184,6 +194,8 @@ void SdoFollower::server_frame(const can::Frame& frame, Step& step) {
       step.frame.kind = "download segment response";
       step.frame.toggle = (frame.data[0] & sdo::toggle_bit) != 0;
       if (phase_ != Phase::segment_sent || transfer_.is_read) return;
+      check_toggle(step);
+      toggle_ = !toggle_;
       if (last_segment_) return finish(step, TransferEnd::done);
       phase_ = Phase::segments;
       return;
@@ -191,7 +203,9 @@ void SdoFollower::server_frame(const can::Frame& frame, Step& step) {
       step.frame.kind = "upload segment";
       segment(frame, step);
       if (phase_ != Phase::segment_sent || !transfer_.is_read) return;
-      take(step.frame.data);
+      check_toggle(step);
+      toggle_ = !toggle_;
+      append(step.frame.data);
       if (step.frame.last) return finish(step, TransferEnd::done);
       phase_ = Phase::segments;
       return;
@@ -212,7 +226,7 @@ void SdoFollower::initiate_upload_answer(const can::Frame& frame, Step& step) {
     if (!mine) return;
     transfer_.is_block = false;
     transfer_.length_unstated = !sized;
-    take(bytes);
+    append(bytes);
     return finish(step, TransferEnd::done);
   }
   if (sized) step.frame.size = sdo::value(frame);

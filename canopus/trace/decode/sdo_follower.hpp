@@ -27,7 +27,8 @@ struct SdoFrame {
   std::optional<std::uint8_t> sequence{};  ///< block segment, or the last one confirmed
   std::optional<std::uint8_t> block_size{};
   std::optional<bool> toggle{};
-  bool last = false;  ///< of a segment
+  std::optional<bool> expected_toggle{};  ///< where it is another one [CiA 301 7.2.4.3.3]
+  bool last = false;                      ///< of a segment
 };
 
 /// A transfer that has ended.
@@ -41,7 +42,8 @@ struct SdoTransfer {
   std::uint64_t size = 0;
   bool is_block = false;
   bool is_joined = false;  ///< it began before the trace: its object and first bytes are not known
-  std::optional<std::uint32_t> announced{};  ///< size
+  std::optional<std::uint32_t> announced{};   ///< size
+  std::optional<std::size_t> short_answer{};  ///< bytes of an answer with fewer than 8, which is none
   std::optional<std::uint32_t> abort_code{};
   bool aborted_by_client = false;
   std::uint32_t frames = 0;
@@ -61,6 +63,17 @@ class SdoFollower {
     std::optional<SdoTransfer> ended{};
   };
   [[nodiscard]] Step follow(const can::Frame& frame, bool from_client, can::Time now);
+
+  /// A request whose answer has not come.
+  [[nodiscard]] bool awaits_answer() const noexcept { return phase_ == Phase::initiated; }
+  [[nodiscard]] bool is_of(std::uint16_t index, std::uint8_t sub) const noexcept {
+    return transfer_.index == index && transfer_.sub == sub;
+  }
+  /// The next frame of this side is a segment of a block: its first byte is a number, not a command.
+  [[nodiscard]] bool expects_block_segment(bool from_client) const noexcept {
+    return phase_ == Phase::block_segments && transfer_.is_read != from_client;
+  }
+  void note_short_answer(std::size_t bytes) noexcept { transfer_.short_answer = bytes; }
 
   /// Ends what is under way: unanswered or unfinished.
   [[nodiscard]] std::optional<SdoTransfer> give_up();
@@ -89,11 +102,12 @@ class SdoFollower {
   void initiate_download(const can::Frame& frame, can::Time now, Step& step);
   void initiate_upload_answer(const can::Frame& frame, Step& step);
   void segment(const can::Frame& frame, Step& step);
+  void check_toggle(Step& step) const;
   void join(bool is_read);
   [[nodiscard]] bool block_segment(const can::Frame& frame, Step& step);
   void confirm(const can::Frame& frame, bool is_read, Step& step);
   void end_of_block(const can::Frame& frame, Step& step);
-  void take(std::span<const std::uint8_t> bytes);
+  void append(std::span<const std::uint8_t> bytes);
   [[nodiscard]] bool answers(const can::Frame& frame, Step& step) const;
   void finish(Step& step, TransferEnd how);
 
@@ -102,6 +116,7 @@ class SdoFollower {
   can::Frame last_frame_;
   can::Time now_{};
   bool expedited_ = false;
+  bool toggle_ = false;  // of the next segment
   bool last_segment_ = false;
   bool last_in_block_ = false;
   std::uint8_t block_size_ = 127;

@@ -45,7 +45,7 @@ void SdoFollower::confirm(const can::Frame& frame, bool is_read, Step& step) {
   if (phase_ == Phase::idle && frame.data[2] >= 1 && frame.data[2] <= 127) return join(is_read);
   if (phase_ != Phase::block_segments || transfer_.is_read != is_read) return;
   const std::size_t good = std::min<std::size_t>(frame.data[1], block_.size());
-  for (std::size_t i = 0; i < good; ++i) take(block_[i]);
+  for (std::size_t i = 0; i < good; ++i) append(block_[i]);
   const bool all = last_in_block_ && good == block_.size();
   block_.clear();
   last_in_block_ = false;

@@ -8,6 +8,7 @@
 #include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/trace/decode/value_text.hpp"
+#include "canopus/trace/decode/value_words.hpp"
 
 namespace canopus::trace {
 namespace {
@@ -72,10 +73,6 @@ constexpr std::array<std::string_view, 16> first_digits{
     "temperature", "device hardware", "device software", "additional modules",
     "monitoring",  "external error",  "unknown",         "unknown",
     "unknown",     "unknown",         "unknown",         "additional functions or device specific"};
-
-constexpr std::array<std::string_view, 8> register_bits{"generic",        "current",       "voltage",
-                                                        "temperature",    "communication", "device profile",
-                                                        "reserved bit 6", "manufacturer"};
 
 void join(std::string& list, std::string_view more, std::string_view between = ", ") {
   if (!list.empty()) list += between;
@@ -147,11 +144,7 @@ std::string_view emcy_code_text(std::uint16_t code) noexcept {
 }
 
 std::string error_register_text(std::uint8_t error_register) {
-  std::string text;
-  for (unsigned bit = 0; bit < 8; ++bit) {
-    if ((error_register >> bit & 1U) != 0) join(text, register_bits[bit]);
-  }
-  return text.empty() ? "no error" : text;
+  return value_words(nullptr, 0x1001, 0, error_register).text();
 }
 
 std::string emcy_text(const can::Frame& frame) {

@@ -1,4 +1,4 @@
-// The reader of Vector's BLF files. CAN FD and everything that is no frame is left out.
+// The reader of Vector's BLF files. Objects of CAN FD channels hold classical frames, too; what is none is left out.
 
 #include <bit>
 #include <limits>
@@ -12,7 +12,28 @@
 namespace canopus::trace {
 namespace {
 
-enum ObjectType : std::uint32_t { can_message = 1, can_error = 2, can_error_ext = 73, can_message2 = 86 };
+enum ObjectType : std::uint32_t {
+  can_message = 1,
+  can_error = 2,
+  can_statistic = 4,
+  app_text = 65,
+  can_error_ext = 73,
+  can_message2 = 86,
+  event_comment = 92,
+  can_fd_message = 100,
+  can_fd_message_64 = 101,
+  can_fd_error_64 = 104,
+  data_lost_end = 126,
+};
+
+LeftOutKind kind_of(std::uint32_t type) {
+  switch (type) {
+    case can_statistic: return LeftOutKind::statistics;
+    case app_text:
+    case event_comment: return LeftOutKind::comment;
+    default: return LeftOutKind::other;
+  }
+}
 
 constexpr std::size_t smallest_file_header = 72;
 constexpr std::size_t base_header = 16;
@@ -76,10 +97,9 @@ class BlfReader final : public ReaderBase {
       ended_ = true;
       return fail("expected an object of at least 16 bytes, found " + std::to_string(size));
     }
-    const bool is_read =
-        type == can_message || type == can_message2 || type == can_error || type == can_error_ext;
-    if (!is_read || size > largest_read_object || (version != 1 && version != 2)) {
-      ++left_out_;
+    const std::size_t least = least_body(type);
+    if (least == 0 || size > largest_read_object || (version != 1 && version != 2)) {
+      left_out_.add(least == 0 ? kind_of(type) : LeftOutKind::other);
       return input_.skip(size) ? Object(false) : end();
     }
     bytes = input_.peek(size);
@@ -93,9 +113,23 @@ class BlfReader final : public ReaderBase {
     return found;
   }
 
+  /// Bytes behind the header of the objects that are read; 0: of a type that is left out.
+  static std::size_t least_body(std::uint32_t type) {
+    switch (type) {
+      case can_message:
+      case can_message2: return 16;
+      case can_error:
+      case can_error_ext:
+      case can_fd_error_64: return 4;
+      case can_fd_message: return 28;
+      case can_fd_message_64: return 40;
+      case data_lost_end: return 16;
+      default: return 0;
+    }
+  }
+
   Object read_message(std::uint32_t type, std::size_t header, std::string_view object, TraceRecord& record) {
-    const bool error = type == can_error || type == can_error_ext;
-    if (object.size() < header + (error ? 4 : 16)) return fail("expected a larger object of this type");
+    if (object.size() < header + least_body(type)) return fail("expected a larger object of this type");
     const std::uint64_t ticks = number<std::uint64_t>(object, 24);
     const std::int64_t unit = number<std::uint32_t>(object, 16) == time_in_10_us ? 10'000 : 1;
     if (ticks > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max() / unit)) {
@@ -103,33 +137,82 @@ class BlfReader final : public ReaderBase {
     }
     record.time = can::later(start_, can::Duration(static_cast<std::int64_t>(ticks) * unit));
     const std::string_view body = object.substr(header);
-    const auto number_of_channel = number<std::uint16_t>(body, 0);
-    if (error) {
-      // the details of Vector's error have no place in a SocketCAN error frame
-      record.frame.dlc = 8;
-      set_error_frame(record, unspecified_error);
-    } else {
-      const auto flags = static_cast<std::uint8_t>(body[2]);
-      const auto dlc = static_cast<std::uint8_t>(body[3]);
-      const auto identifier = number<std::uint32_t>(body, 4);
-      if ((flags & 0x0FU) == 2) {  // a request to send, which the frame itself follows
-        ++left_out_;
-        return false;
-      }
-      can::Frame& frame = record.frame;
-      record.transmitted = (flags & 1U) != 0;
-      frame.remote = (flags & 0x80U) != 0;
-      frame.extended = (identifier & 0x8000'0000U) != 0;
-      frame.identifier = identifier & can::max_extended_identifier;
-      if (dlc > 15) return fail("expected a DLC of 0 to 15, found " + std::to_string(dlc));
-      if (!frame.extended && frame.identifier > can::max_base_identifier) {
-        return fail("expected a base identifier up to 7FF");
-      }
-      frame.dlc = dlc;
-      for (std::size_t i = 0; i < frame.length() && i < frame.data.size(); ++i) {
-        frame.data[i] = static_cast<std::uint8_t>(body[8 + i]);
-      }
+    switch (type) {
+      case can_message:
+      case can_message2: return read_can_message(body, record);
+      case can_fd_message: return read_can_fd_message(body, record);
+      case can_fd_message_64: return read_can_fd_message_64(body, record);
+      case data_lost_end: left_out_.add_lost(number<std::uint32_t>(body, 12)); return false;
+      default: break;
     }
+    // the details of Vector's error have no place in a SocketCAN error frame
+    record.frame.dlc = 8;
+    set_error_frame(record, unspecified_error);
+    const bool is_short = type == can_fd_error_64;
+    return on_channel(is_short ? static_cast<std::uint8_t>(body[0]) : number<std::uint16_t>(body, 0), record);
+  }
+
+  Object read_can_message(std::string_view body, TraceRecord& record) {
+    const auto flags = static_cast<std::uint8_t>(body[2]);
+    if ((flags & 0x0FU) == 2) {  // the frame itself follows
+      left_out_.add(LeftOutKind::send_request);
+      return false;
+    }
+    record.transmitted = (flags & 1U) != 0;
+    record.frame.remote = (flags & 0x80U) != 0;
+    return read_frame(static_cast<std::uint8_t>(body[3]), number<std::uint32_t>(body, 4), body.substr(8),
+                      number<std::uint16_t>(body, 0), record);
+  }
+
+  Object read_can_fd_message(std::string_view body, TraceRecord& record) {
+    constexpr unsigned is_fd_frame = 1;  // EDL
+    if ((static_cast<std::uint8_t>(body[13]) & is_fd_frame) != 0) return leave_out_fd();
+    const auto flags = static_cast<std::uint8_t>(body[2]);
+    record.transmitted = (flags & 1U) != 0;
+    record.frame.remote = (flags & 0x80U) != 0;
+    return read_frame(static_cast<std::uint8_t>(body[3]), number<std::uint32_t>(body, 4), body.substr(20),
+                      number<std::uint16_t>(body, 0), record);
+  }
+
+  Object read_can_fd_message_64(std::string_view body, TraceRecord& record) {
+    constexpr std::uint32_t is_remote = 0x10, is_fd_frame = 0x1000;
+    const auto flags = number<std::uint32_t>(body, 12);
+    if ((flags & is_fd_frame) != 0) return leave_out_fd();
+    const auto direction = static_cast<std::uint8_t>(body[34]);
+    if (direction == 2) {
+      left_out_.add(LeftOutKind::send_request);
+      return false;
+    }
+    record.transmitted = direction == 1;
+    record.frame.remote = (flags & is_remote) != 0;
+    const std::size_t valid = static_cast<std::uint8_t>(body[2]);
+    return read_frame(static_cast<std::uint8_t>(body[1]), number<std::uint32_t>(body, 4),
+                      body.substr(40, valid), static_cast<std::uint8_t>(body[0]), record);
+  }
+
+  Object leave_out_fd() {
+    left_out_.add(LeftOutKind::can_fd);
+    return false;
+  }
+
+  /// `data`: where it is shorter than the DLC says, the rest of the frame is 0.
+  Object read_frame(std::uint8_t dlc, std::uint32_t identifier, std::string_view data, std::uint16_t channel,
+                    TraceRecord& record) {
+    can::Frame& frame = record.frame;
+    frame.extended = (identifier & 0x8000'0000U) != 0;
+    frame.identifier = identifier & can::max_extended_identifier;
+    if (dlc > 15) return fail("expected a DLC of 0 to 15, found " + std::to_string(dlc));
+    if (!frame.extended && frame.identifier > can::max_base_identifier) {
+      return fail("expected a base identifier up to 7FF");
+    }
+    frame.dlc = dlc;
+    for (std::size_t i = 0; i < frame.length() && i < data.size(); ++i) {
+      frame.data[i] = static_cast<std::uint8_t>(data[i]);
+    }
+    return on_channel(channel, record);
+  }
+
+  Object on_channel(std::uint16_t number_of_channel, TraceRecord& record) {
     const auto channel = channels_.number_of(name_of_numbered_channel(number_of_channel));
     if (!channel) return fail("expected at most " + std::to_string(ChannelNames::max_channels) + " channels");
     record.channel = *channel;

@@ -45,13 +45,13 @@ class Line {
     read_direction(entry);
     const auto word_end = std::ranges::find_if(text_.substr(at_), is_blank);
     const bool log_form = std::ranges::find(text_.begin() + position(), word_end, '#') != word_end;
-    if (!timed && (log_form || !read_screen_frame(entry)) && !error_.can_fd) {
+    if (!timed && (log_form || !read_screen_frame(entry)) && !is_screen_form_) {
       (void)fail_at(start, time_expected);
       return std::unexpected(error_);
     }
     if (timed && !(log_form ? read_log_frame(entry) : read_screen_frame(entry)))
       return std::unexpected(error_);
-    if (error_.can_fd) return std::unexpected(error_);
+    if (error_.left_out || error_.column != 0) return std::unexpected(error_);
     entry.log_form = log_form;
     return entry;
   }
@@ -67,7 +67,7 @@ class Line {
   void skip_blanks() {
     while (!at_end() && is_blank(peek())) ++at_;
   }
-  bool take(char c) {
+  bool skip(char c) {
     if (at_end() || peek() != c) return false;
     ++at_;
     return true;
@@ -87,11 +87,19 @@ class Line {
   bool read_log_remote(can::Frame& frame);
   bool read_log_data(can::Frame& frame);
   bool read_screen_frame(CandumpEntry& entry);
+  bool read_screen_length(can::Frame& frame);
+  bool read_screen_data(can::Frame& frame);
+  bool read_screen_byte(std::uint8_t& byte);
+  bool leave_out(LeftOutKind kind, std::string expected) {
+    error_.left_out = kind;
+    return fail(std::move(expected));
+  }
 
   std::string_view text_;
   std::size_t number_;
   std::size_t at_ = 0;
   CandumpError error_{};
+  bool is_screen_form_ = false;  // there is a length in brackets
 };
 
 bool Line::fail_at(std::size_t at, std::string expected) {
@@ -108,12 +116,12 @@ bool Line::fail_at(std::size_t at, std::string expected) {
             .column = at + 1,
             .expected = std::move(expected),
             .found = std::move(found),
-            .can_fd = error_.can_fd};
+            .left_out = error_.left_out};
   return false;
 }
 
 bool Line::read_time(can::Time& time) {
-  if (!take('(')) return fail(time_expected);
+  if (!skip('(')) return fail(time_expected);
   if (text_.substr(at_).find_first_of("-.)") == 4 && peek(4) == '-') return read_date(time);
   const std::size_t start = at_;
   std::int64_t whole = 0;
@@ -131,7 +139,7 @@ bool Line::read_time(can::Time& time) {
 }
 
 bool Line::read_fraction(std::int64_t& nanoseconds) {
-  if (!take('.')) return fail("'.' and a fraction of a second");
+  if (!skip('.')) return fail("'.' and a fraction of a second");
   int digits = 0;
   for (; is_digit(peek()); ++at_, ++digits) {
     if (digits == 9) return fail("')' after at most 9 decimals");
@@ -139,7 +147,7 @@ bool Line::read_fraction(std::int64_t& nanoseconds) {
   }
   if (digits == 0) return fail("a decimal digit");
   for (; digits < 9; ++digits) nanoseconds *= 10;
-  return take(')') || fail("')'");
+  return skip(')') || fail("')'");
 }
 
 bool Line::read_number(std::size_t digits, unsigned low, unsigned high, unsigned& number) {
@@ -158,10 +166,10 @@ bool Line::read_date(can::Time& time) {
   unsigned year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0;
   std::int64_t fraction = 0;
   const std::size_t start = at_;
-  if (!read_number(4, 1970, 2200, year) || !(take('-') || fail("'-'")) || !read_number(2, 1, 12, month) ||
-      !(take('-') || fail("'-'")) || !read_number(2, 1, 31, day) || !(take(' ') || fail("a blank")) ||
-      !read_number(2, 0, 23, hour) || !(take(':') || fail("':'")) || !read_number(2, 0, 59, minute) ||
-      !(take(':') || fail("':'")) || !read_number(2, 0, 60, second) || !read_fraction(fraction)) {
+  if (!read_number(4, 1970, 2200, year) || !(skip('-') || fail("'-'")) || !read_number(2, 1, 12, month) ||
+      !(skip('-') || fail("'-'")) || !read_number(2, 1, 31, day) || !(skip(' ') || fail("a blank")) ||
+      !read_number(2, 0, 23, hour) || !(skip(':') || fail("':'")) || !read_number(2, 0, 59, minute) ||
+      !(skip(':') || fail("':'")) || !read_number(2, 0, 60, second) || !read_fraction(fraction)) {
     return false;
   }
   const std::chrono::year_month_day date{std::chrono::year(static_cast<int>(year)), std::chrono::month(month),
@@ -206,6 +214,9 @@ bool Line::read_identifier(CandumpEntry& entry) {
   }
   const std::size_t digits = at_ - start;
   if (digits == 0) return fail("an identifier in hexadecimal digits");
+  // 00123#81:00:00000001#1122: virtual CAN network and priority
+  if (digits == 5 && peek() == '#')
+    return leave_out(LeftOutKind::can_xl, "a classical frame (five digits are of a CAN XL frame)");
   if (digits != 3 && digits != 8) return fail_at(start, "an identifier of 3 or 8 hexadecimal digits");
   if (digits == 3 && identifier > can::max_base_identifier) return fail_at(start, "an identifier up to 7FF");
   if (digits == 8 && identifier > can::max_extended_identifier) {
@@ -231,9 +242,9 @@ bool Line::read_byte(std::uint8_t& byte) {
 
 bool Line::read_log_frame(CandumpEntry& entry) {
   if (!read_identifier(entry)) return false;
-  if (!take('#')) return fail("'#'");
-  error_.can_fd = peek() == '#';
-  if (error_.can_fd) return fail("the data of a classical frame ('##' begins a CAN FD frame)");
+  if (!skip('#')) return fail("'#'");
+  if (peek() == '#')
+    return leave_out(LeftOutKind::can_fd, "the data of a classical frame ('##' begins a CAN FD frame)");
   const bool remote = peek() == 'R' || peek() == 'r';
   if (!(remote ? read_log_remote(entry.frame) : read_log_data(entry.frame))) return false;
   // `candump -l -x` appends the direction
@@ -252,7 +263,7 @@ bool Line::read_log_remote(can::Frame& frame) {
   if (!dlc || *dlc > 8) return fail("a length of 0 to 8");
   frame.dlc = static_cast<std::uint8_t>(*dlc);
   ++at_;
-  if (frame.dlc == 8 && take('_')) {
+  if (frame.dlc == 8 && skip('_')) {
     const auto raw = hex_value(peek());
     if (!raw || *raw < 9) return fail("a raw DLC of 9 to F");
     frame.dlc = static_cast<std::uint8_t>(*raw);
@@ -268,7 +279,7 @@ bool Line::read_log_data(can::Frame& frame) {
     ++frame.dlc;
     if (peek() == '.') ++at_;  // cansend's separator, which other tools leave in
   }
-  if (!take('_')) return true;
+  if (!skip('_')) return true;
   const auto raw = hex_value(peek());
   if (frame.dlc != 8 || !raw || *raw < 9) return fail("a raw DLC of 9 to F after 8 bytes");
   frame.dlc = static_cast<std::uint8_t>(*raw);
@@ -279,27 +290,68 @@ bool Line::read_log_data(can::Frame& frame) {
 bool Line::read_screen_frame(CandumpEntry& entry) {
   if (!read_identifier(entry)) return false;
   skip_blanks();
-  if (!take('[')) return fail("'#', or '[' and a length");
-  error_.can_fd = is_digit(peek()) && is_digit(peek(1));
-  if (error_.can_fd) return fail("one digit for the length of a classical frame (two are of a CAN FD frame)");
-  if (peek() < '0' || peek() > '8') return fail("a length of 0 to 8");
-  can::Frame& frame = entry.frame;
-  frame.dlc = static_cast<std::uint8_t>(peek() - '0');
-  ++at_;
-  if (!take(']')) return fail("']'");
+  if (!read_screen_length(entry.frame)) return false;
+  const std::size_t behind_length = at_;
   skip_blanks();
   constexpr std::string_view remote_request = "remote request";
   if (text_.substr(at_).starts_with(remote_request)) {
-    frame.remote = true;
+    entry.frame.remote = true;
     return true;
   }
-  for (std::size_t byte = 0; byte < frame.dlc; ++byte) {
-    if (byte > 0 && !is_blank(peek())) return fail("a blank and another byte");
-    skip_blanks();
-    if (!read_byte(frame.data[byte])) return false;
-  }
+  if (entry.frame.dlc == 0) at_ = behind_length;
+  if (!read_screen_data(entry.frame)) return false;
   // The rest is the ASCII column, and notes behind it.
   return at_end() || is_blank(peek()) || fail("a blank or the end of the line");
+}
+
+/// `[8]`, and `{F}` of candump -8.
+bool Line::read_screen_length(can::Frame& frame) {
+  const bool is_raw = peek() == '{';
+  if (!is_raw && peek() != '[') return fail("'#', or '[' and a length");
+  is_screen_form_ = true;
+  ++at_;
+  const std::size_t digits = std::min(text_.find_first_not_of("0123456789", at_), text_.size()) - at_;
+  if (!is_raw && digits == 2) {
+    return leave_out(LeftOutKind::can_fd,
+                     "one digit for the length of a classical frame (two are of a CAN FD frame)");
+  }
+  if (!is_raw && digits == 4) {
+    return leave_out(LeftOutKind::can_xl,
+                     "one digit for the length of a classical frame (four are of a CAN XL frame)");
+  }
+  const auto length = hex_value(peek());
+  if (is_raw && !length) return fail("a DLC of 0 to F");
+  if (!length || (!is_raw && *length > 8)) return fail("a length of 0 to 8");
+  frame.dlc = static_cast<std::uint8_t>(*length);
+  ++at_;
+  return skip(is_raw ? '}' : ']') || fail(is_raw ? "'}'" : "']'");
+}
+
+bool Line::read_screen_data(can::Frame& frame) {
+  constexpr char swapped_separator = '`';  // of candump -S
+  bool is_swapped = false;
+  for (std::size_t byte = 0; byte < frame.length(); ++byte) {
+    if (byte > 0 && skip(swapped_separator)) {
+      is_swapped = true;
+    } else {
+      if (byte > 0 && !is_blank(peek())) return fail("a blank and another byte");
+      skip_blanks();
+    }
+    if (!read_screen_byte(frame.data[byte])) return false;
+  }
+  if (is_swapped)
+    std::reverse(frame.data.begin(), frame.data.begin() + static_cast<std::ptrdiff_t>(frame.length()));
+  return true;
+}
+
+bool Line::read_screen_byte(std::uint8_t& byte) {
+  constexpr std::size_t bits = 8;
+  const std::string_view digits = text_.substr(at_, bits);
+  if (digits.size() < bits || digits.find_first_not_of("01") != std::string_view::npos)
+    return read_byte(byte);
+  for (const char bit : digits) byte = static_cast<std::uint8_t>(byte << 1 | (bit == '1' ? 1 : 0));
+  at_ += bits;
+  return true;
 }
 
 }  // namespace

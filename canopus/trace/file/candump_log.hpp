@@ -10,16 +10,19 @@
 //
 // Read only: the screen form of candump, `(12.000345)  line1  601   [8]  40 18 10 01 00 00 00 00`, with or
 // without the ASCII column (-a), the direction (-x) and the time, and `remote request` in place of the data; a
-// time as date and time of day (-tA), `(2024-02-29 12:00:00.000345)`, which is taken as UTC.
+// time as date and time of day (-tA), `(2024-02-29 12:00:00.000345)`, which is taken as UTC; the raw DLC (-8),
+// `{F}`; data in binary (-i), `01000000`; the last byte first (-S), with a grave accent between bytes.
 
 #include <cstddef>
 #include <expected>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "canopus/can/frame.hpp"
 #include "canopus/can/time.hpp"
+#include "canopus/trace/file/left_out.hpp"
 #include "canopus/trace/file/trace_record.hpp"
 
 namespace canopus::trace {
@@ -56,7 +59,7 @@ struct CandumpError {
   std::size_t column = 0;  ///< 1 = first character
   std::string expected{};
   std::string found{};
-  bool can_fd = false;  ///< nothing wrong, but a CAN FD frame
+  std::optional<LeftOutKind> left_out{};  ///< nothing wrong, but a CAN FD or CAN XL frame
 
   /// `12:22: expected a hexadecimal digit, found 'G'`, to follow the file's name and a colon.
   [[nodiscard]] std::string message() const;

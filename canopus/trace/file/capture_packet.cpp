@@ -5,9 +5,10 @@
 namespace canopus::trace {
 namespace {
 
-constexpr std::uint32_t cooked_can = 0x000C;
+enum Protocol : std::uint16_t { cooked_can = 0x000C, cooked_can_fd = 0x000D, cooked_can_xl = 0x000E };
 constexpr std::uint16_t packet_outgoing = 4;
 constexpr std::uint8_t fd_frame_flag = 0x04;  // CANFD_FDF
+constexpr std::uint8_t xl_frame_flag = 0x80;  // CANXL_XLF, where the others have their length
 
 /// Whether these four bytes are a base identifier, perhaps with flags, in this order.
 bool is_base_identifier(std::uint32_t identifier) {
@@ -16,9 +17,9 @@ bool is_base_identifier(std::uint32_t identifier) {
 
 }  // namespace
 
-std::expected<CapturePackets::Found, std::string> CapturePackets::read(std::uint32_t linktype,
-                                                                       std::string_view packet,
-                                                                       TraceRecord& record) {
+std::expected<std::optional<LeftOutKind>, std::string> CapturePackets::read(std::uint32_t linktype,
+                                                                            std::string_view packet,
+                                                                            TraceRecord& record) {
   using enum std::endian;
   const std::size_t header = linktype == linktype_linux_sll ? 16 : linktype == linktype_linux_sll2 ? 20 : 0;
   if (packet.size() < header) {
@@ -28,7 +29,9 @@ std::expected<CapturePackets::Found, std::string> CapturePackets::read(std::uint
   if (header != 0) {
     const bool second = linktype == linktype_linux_sll2;
     const auto protocol = number_at<std::uint16_t>(packet, second ? 0 : 14, big);
-    if (protocol != cooked_can) return Found::no_classical_frame;  // CAN FD is 000DH
+    if (protocol == cooked_can_fd) return LeftOutKind::can_fd;
+    if (protocol == cooked_can_xl) return LeftOutKind::can_xl;
+    if (protocol != cooked_can) return LeftOutKind::other_bus;
     record.transmitted = second ? static_cast<std::uint8_t>(packet[10]) == packet_outgoing
                                 : number_at<std::uint16_t>(packet, 0, big) == packet_outgoing;
     packet.remove_prefix(header);
@@ -45,7 +48,8 @@ std::expected<CapturePackets::Found, std::string> CapturePackets::read(std::uint
   const auto length = static_cast<std::uint8_t>(packet[4]);
   const auto flags = static_cast<std::uint8_t>(packet[5]);
   const auto raw_dlc = static_cast<std::uint8_t>(packet[7]);
-  if (length > 8 || (flags & fd_frame_flag) != 0) return Found::no_classical_frame;  // CAN FD, CAN XL
+  if ((length & xl_frame_flag) != 0) return LeftOutKind::can_xl;
+  if (length > 8 || (flags & fd_frame_flag) != 0) return LeftOutKind::can_fd;
   can::Frame& frame = record.frame;
   frame.dlc = length;
   if (length == 8 && raw_dlc > 8 && raw_dlc <= 15) frame.dlc = raw_dlc;  // len8_dlc of struct can_frame
@@ -59,14 +63,14 @@ std::expected<CapturePackets::Found, std::string> CapturePackets::read(std::uint
   }
   if ((identifier & error_flag) != 0) {
     set_error_frame(record, identifier);
-    return Found::frame;
+    return std::nullopt;
   }
   frame.extended = (identifier & extended_flag) != 0;
   frame.identifier = identifier & can::max_extended_identifier;
   if (!frame.extended && frame.identifier > can::max_base_identifier) {
     return std::unexpected("expected a base identifier up to 7FF, or the flag of an extended one");
   }
-  return Found::frame;
+  return std::nullopt;
 }
 
 }  // namespace canopus::trace

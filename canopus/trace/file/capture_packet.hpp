@@ -6,9 +6,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "canopus/trace/file/left_out.hpp"
 #include "canopus/trace/file/trace_record.hpp"
 
 namespace canopus::trace {
@@ -32,12 +34,12 @@ inline constexpr std::size_t capture_packet_room = 20 + 72;
 /// before 1.9.1 or so, in the order of the host that recorded; the packets so far decide.
 class CapturePackets {
  public:
-  enum class Found : std::uint8_t { frame, no_classical_frame };
-
   explicit CapturePackets(std::endian host) : cooked_order_(host) {}
-  /// Fills frame, error_frame and, of a cooked packet, transmitted. The error names what was expected.
-  [[nodiscard]] std::expected<Found, std::string> read(std::uint32_t linktype, std::string_view packet,
-                                                       TraceRecord& record);
+  /// Fills frame, error_frame and, of a cooked packet, transmitted; returns what it is if it is no classical frame. The
+  /// error names what was expected.
+  [[nodiscard]] std::expected<std::optional<LeftOutKind>, std::string> read(std::uint32_t linktype,
+                                                                            std::string_view packet,
+                                                                            TraceRecord& record);
 
  private:
   std::endian cooked_order_;

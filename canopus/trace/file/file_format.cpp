@@ -23,8 +23,7 @@ std::expected<FileFormat, std::string> trace_format_of(std::string_view path) {
   if (dot == std::string_view::npos || dot == 0) return FileFormat::candump;
   const std::string_view extension = name.substr(dot + 1);
   for (const FormatName& entry : format_names) {
-    if (entry.format != FileFormat::blf && ascii::equal_ignoring_case(entry.name, extension))
-      return entry.format;
+    if (entry.is_written && ascii::equal_ignoring_case(entry.name, extension)) return entry.format;
   }
   const bool number = extension.find_first_not_of("0123456789") == std::string_view::npos;
   if (number || ascii::equal_ignoring_case(extension, "log") || ascii::equal_ignoring_case(extension, "txt"))

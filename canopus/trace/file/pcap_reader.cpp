@@ -3,6 +3,7 @@
 #include <bit>
 #include <memory>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/trace/file/capture_packet.hpp"
 #include "canopus/trace/file/reader_base.hpp"
 
@@ -51,14 +52,14 @@ class PcapReader final : public ReaderBase {
       if (!input_.skip(length)) {
         ended_ = true;
         return fail(start,
-                    "expected a packet of " + std::to_string(length) + " bytes, found the end of the file");
+                    "expected a packet of " + ascii::counted(length, "byte") + ", found the end of the file");
       }
       if (!found) return fail(start + packet_header, found.error());
       if (fraction >= (nanoseconds_ ? 1'000'000'000U : 1'000'000U)) {
         return fail(start + 4, "expected a fraction of a second, found " + std::to_string(fraction));
       }
-      if (*found == CapturePackets::Found::no_classical_frame) {
-        ++left_out_;
+      if (*found) {
+        left_out_.add(**found);
         continue;
       }
       record.time = can::Time(std::chrono::seconds(seconds) +

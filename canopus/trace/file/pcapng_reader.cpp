@@ -4,8 +4,10 @@
 #include <bit>
 #include <limits>
 #include <memory>
+#include <utility>
 #include <vector>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/trace/file/capture_packet.hpp"
 #include "canopus/trace/file/reader_base.hpp"
 
@@ -17,6 +19,7 @@ enum BlockType : std::uint32_t {
   interface_description = 1,
   old_packet = 2,
   simple_packet = 3,
+  interface_statistics = 5,
   enhanced_packet = 6,
 };
 constexpr std::uint32_t byte_order_magic = 0x1A2B'3C4D;
@@ -49,6 +52,7 @@ struct Interface {
   std::uint32_t linktype = 0;
   std::uint16_t channel = 0;
   InterfaceClock clock{};
+  std::uint64_t dropped = 0;  ///< frames that the interface or the system lost so far
 };
 
 class PcapngReader final : public ReaderBase {
@@ -86,9 +90,10 @@ class PcapngReader final : public ReaderBase {
   Block read_packet(const Interface& interface, std::uint64_t ticks, std::string_view packet,
                     TraceRecord& record);
   Block read_timed_packet(bool old, std::string_view body, TraceRecord& record);
-  /// Calls `take(code, value)` for each option.
+  Block read_statistics(std::string_view body);
+  /// Calls `visit(code, value)` for each option.
   template <typename Take>
-  void for_each_option(std::string_view options, Take&& take) const;
+  void for_each_option(std::string_view options, Take&& visit) const;
 
   std::uint64_t block_ = 0;  // offset of the block
   std::endian order_ = std::endian::little;
@@ -126,8 +131,8 @@ PcapngReader::Block PcapngReader::read_block(TraceRecord& record) {
     return end_with(
         4, "expected the length of a block, a multiple of 4 from 12, found " + std::to_string(length));
   }
-  const bool is_read =
-      type == interface_description || type == old_packet || type == simple_packet || type == enhanced_packet;
+  const bool is_read = type == interface_description || type == old_packet || type == simple_packet ||
+                       type == enhanced_packet || type == interface_statistics;
   if (!is_read || length > largest_read_block) {
     if (!input_.skip(length)) {
       return end_with(0,
@@ -154,6 +159,7 @@ PcapngReader::Block PcapngReader::read_content(std::uint32_t type, std::string_v
     case interface_description: return read_interface(body);
     case old_packet: return read_timed_packet(true, body, record);
     case enhanced_packet: return read_timed_packet(false, body, record);
+    case interface_statistics: return read_statistics(body);
     default: break;
   }
   if (interfaces_.empty()) return fail(0, "expected an interface description before a packet");
@@ -164,12 +170,12 @@ PcapngReader::Block PcapngReader::read_content(std::uint32_t type, std::string_v
 }
 
 template <typename Take>
-void PcapngReader::for_each_option(std::string_view options, Take&& take) const {
+void PcapngReader::for_each_option(std::string_view options, Take&& visit) const {
   while (options.size() >= 4) {
     const auto code = number<std::uint16_t>(options, 0);
     const std::size_t length = number<std::uint16_t>(options, 2);
     if (code == 0 || length > options.size() - 4) return;
-    take(code, options.substr(4, length));
+    visit(code, options.substr(4, length));
     options.remove_prefix(std::min(options.size(), 4 + (length + 3) / 4 * 4));
   }
 }
@@ -220,7 +226,7 @@ PcapngReader::Block PcapngReader::read_timed_packet(bool old, std::string_view b
       std::uint64_t{number<std::uint32_t>(body, 4)} << 32 | number<std::uint32_t>(body, 8);
   const std::size_t length = number<std::uint32_t>(body, 12);
   if (length > body.size() - 20) {
-    return fail(20, "expected a packet that fits into its block, found " + std::to_string(length) + " bytes");
+    return fail(20, "expected a packet that fits into its block, found " + ascii::counted(length, "byte"));
   }
   const std::size_t padded = (length + 3) / 4 * 4;
   for_each_option(body.substr(std::min(body.size(), 20 + padded)),
@@ -231,16 +237,32 @@ PcapngReader::Block PcapngReader::read_timed_packet(bool old, std::string_view b
   return read_packet(interfaces_[number_of_interface], ticks, body.substr(20, length), record);
 }
 
+/// Counters of an interface since the begin of its capture; a section may have several such blocks.
+PcapngReader::Block PcapngReader::read_statistics(std::string_view body) {
+  if (body.size() < 12) return fail(8, "expected statistics of an interface");
+  const std::size_t number_of_interface = number<std::uint32_t>(body, 0);
+  if (number_of_interface >= interfaces_.size()) return false;
+  std::uint64_t dropped = 0;
+  for_each_option(body.substr(12), [&](std::uint16_t code, std::string_view value) {
+    // isb_ifdrop, isb_osdrop; a counter beyond any capture is none
+    if ((code == 5 || code == 7) && value.size() == 8)
+      dropped += std::min<std::uint64_t>(number<std::uint64_t>(value, 0), std::uint64_t{1} << 48);
+  });
+  Interface& interface = interfaces_[number_of_interface];
+  if (dropped > interface.dropped) left_out_.add_lost(dropped - std::exchange(interface.dropped, dropped));
+  return false;
+}
+
 PcapngReader::Block PcapngReader::read_packet(const Interface& interface, std::uint64_t ticks,
                                               std::string_view packet, TraceRecord& record) {
   if (!holds_can(interface.linktype)) {
-    ++left_out_;
+    left_out_.add(LeftOutKind::other_bus);
     return false;
   }
   const auto found = packets_.front().read(interface.linktype, packet, record);
   if (!found) return fail(28, found.error());
-  if (*found == CapturePackets::Found::no_classical_frame) {
-    ++left_out_;
+  if (*found) {
+    left_out_.add(**found);
     return false;
   }
   const auto time = interface.clock.time_of(ticks);

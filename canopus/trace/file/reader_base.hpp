@@ -1,5 +1,5 @@
 #pragma once
-// Common to the readers of all formats: the input, the channels, the count of skipped records. Also the
+// Common to the readers of all formats: the input, the channels, the count of what is left out. Also the
 // functions that create them; open_trace() detects the format.
 
 #include <cstddef>
@@ -27,13 +27,13 @@ class ReaderBase : public TraceReader {
   [[nodiscard]] std::string_view channel(std::size_t number) const noexcept final {
     return channels_.name(number);
   }
-  [[nodiscard]] std::size_t left_out() const noexcept final { return left_out_; }
+  [[nodiscard]] const LeftOut& left_out() const noexcept final { return left_out_; }
 
  protected:
   ReaderBase(TraceInput input, FileFormat format) : input_(std::move(input)), format_(format) {}
   TraceInput input_;
   ChannelNames channels_{};
-  std::size_t left_out_ = 0;
+  LeftOut left_out_{};
 
  private:
   FileFormat format_;
@@ -56,6 +56,10 @@ inline void set_error_frame(TraceRecord& record, std::uint32_t error_class) {
 [[nodiscard]] OpenedReader open_trc(TraceInput input);
 [[nodiscard]] OpenedReader open_csv(TraceInput input);
 [[nodiscard]] OpenedReader open_blf(TraceInput input);
+[[nodiscard]] OpenedReader open_busmaster(TraceInput input);
+[[nodiscard]] OpenedReader open_microchip(TraceInput input);
+[[nodiscard]] OpenedReader open_carbus(TraceInput input);
+[[nodiscard]] OpenedReader open_canhacker(TraceInput input);
 
 /// As open_trace(), from any input.
 [[nodiscard]] OpenedReader open_reader(TraceInput input, std::optional<FileFormat> format = std::nullopt);

@@ -5,21 +5,22 @@
 #include <string_view>
 #include <utility>
 
+#include "canopus/ascii/number.hpp"
 #include "canopus/trace/file/reader_base.hpp"
+#include "canopus/trace/file/words.hpp"
 
 namespace canopus::trace {
 
 class TextReader : public ReaderBase {
  public:
   [[nodiscard]] NextRecord next() final {
-    while (const auto line = input_.line()) {
+    while (const auto line = input_.line(line_end_)) {
       if (input_.is_cut())
         return fail(": expected a line of at most " + std::to_string(trace_max_line) + " bytes");
       TraceRecord record;
       switch (read_line(*line, record)) {
         case Found::record: return record;
         case Found::nothing: break;
-        case Found::left_out: ++left_out_; break;
         case Found::mistake: return fail(mistake_);
       }
     }
@@ -33,9 +34,8 @@ class TextReader : public ReaderBase {
  protected:
   enum class Found : std::uint8_t {
     record,
-    nothing,   ///< an empty line, a head
-    left_out,  ///< something else that was recorded
-    mistake,   ///< mistake_ names what was expected
+    nothing,  ///< an empty line, a head, or what is left out
+    mistake,  ///< mistake_ names what was expected
   };
   using ReaderBase::ReaderBase;
   [[nodiscard]] virtual Found read_line(std::string_view line, TraceRecord& record) = 0;
@@ -48,13 +48,37 @@ class TextReader : public ReaderBase {
     mistake_ = ':' + std::to_string(column) + ": " + expected;
     return Found::mistake;
   }
-  /// Puts the number of the channel into the record; false when the file has too many.
-  bool set_channel(std::string_view name, TraceRecord& record) {
-    const auto number = channels_.number_of(name);
-    if (number) record.channel = *number;
-    if (!number) mistake_ = ": expected at most " + std::to_string(ChannelNames::max_channels) + " channels";
-    return number.has_value();
+  Found leave_out(LeftOutKind kind) {
+    left_out_.add(kind);
+    return Found::nothing;
   }
+  /// The channel of a format that numbers its channels; the end of every read_line() with a record.
+  Found on_channel(std::string_view name, TraceRecord& record) {
+    const auto number = channels_.number_of(name);
+    if (!number)
+      return mistake("expected at most " + std::to_string(ChannelNames::max_channels) + " channels");
+    record.channel = *number;
+    return Found::record;
+  }
+  /// The frame's data, as many words as it has bytes; base 10 or 16, `0x` before a byte is skipped. A longer number is
+  /// what stands behind the data.
+  Found read_data(Words& words, can::Frame& frame, int base) {
+    for (std::size_t i = 0; i < frame.length(); ++i) {
+      const std::string_view word = words.next();
+      const auto byte = parse_digits(word, base);
+      if (!byte || *byte > 255 || word.size() > 4)
+        return mistake(words.column(), "expected a byte of data, found " + shown(word));
+      frame.data[i] = static_cast<std::uint8_t>(*byte);
+    }
+    return Found::record;
+  }
+  /// A number to the base, with or without `0x` where that is 16.
+  [[nodiscard]] static std::optional<std::uint32_t> parse_digits(std::string_view word, int base) noexcept {
+    if (base == 16 && ascii::has_hex_prefix(word)) word.remove_prefix(2);
+    return ascii::parse_number<std::uint32_t>(word, base);
+  }
+
+  char line_end_ = '\n';
 
  private:
   [[nodiscard]] std::unexpected<std::string> fail(const std::string& expected) const {

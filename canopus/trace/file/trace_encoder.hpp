@@ -15,12 +15,20 @@
 
 namespace canopus::trace {
 
-/// 2.1 is written by PCAN-View; 1.1 is what PCAN-Explorer 4 and 5 read: one channel, without its number, times of 0.1 ms.
-enum class TrcVersion : std::uint8_t { v1_1, v2_1 };
+/// 2.1 is written by PCAN-View. The others have no channels; 1.1 is what PCAN-Explorer 4 and 5 read, with times of 0.1 ms;
+/// 1.0 has times of 1 ms and no direction.
+enum class TrcVersion : std::uint8_t { v1_0, v1_1, v2_0, v2_1 };
+struct TrcVersionName {
+  TrcVersion version;
+  std::string_view name;
+};
+inline constexpr std::array trc_version_names{
+    TrcVersionName{TrcVersion::v1_0, "1.0"}, TrcVersionName{TrcVersion::v1_1, "1.1"},
+    TrcVersionName{TrcVersion::v2_0, "2.0"}, TrcVersionName{TrcVersion::v2_1, "2.1"}};
 
 class TraceEncoder {
  public:
-  /// `format` is one that is written: not blf.
+  /// `format` is one that is written [FormatName].
   explicit TraceEncoder(FileFormat format, TrcVersion trc_version = TrcVersion::v2_1)
       : format_(format), trc_version_(trc_version) {}
 
@@ -40,6 +48,7 @@ class TraceEncoder {
   std::size_t put_head(can::Time first) noexcept;
   std::size_t put_asc(char* out, std::uint32_t channel, const TraceRecord& record) noexcept;
   std::size_t put_trc(char* out, std::uint32_t channel, const TraceRecord& record) noexcept;
+  std::size_t put_trc_1_0(char* out, const TraceRecord& record) noexcept;
   std::size_t put_trc_1_1(char* out, const TraceRecord& record) noexcept;
   static std::size_t put_csv(char* out, std::string_view channel, const TraceRecord& record) noexcept;
   [[nodiscard]] std::span<std::uint8_t> octets(std::size_t from) noexcept {

@@ -135,12 +135,12 @@ bool TraceInput::skip(std::uint64_t size) {
   }
 }
 
-std::optional<std::string_view> TraceInput::line() {
+std::optional<std::string_view> TraceInput::line(char end) {
   std::size_t searched = 0;
   cut_ = false;
   while (true) {
     const std::string_view ahead = buffered();
-    const std::size_t line_end = ahead.find('\n', searched);
+    const std::size_t line_end = ahead.find(end, searched);
     if (line_end != std::string_view::npos && line_end <= trace_max_line) {
       begin_ += line_end + 1;
       offset_ += line_end + 1;
@@ -165,7 +165,7 @@ std::optional<std::string_view> TraceInput::line() {
   ++line_number_;
   while (true) {
     const std::string_view ahead = buffered();
-    const std::size_t line_end = ahead.find('\n');
+    const std::size_t line_end = ahead.find(end);
     (void)skip(line_end == std::string_view::npos ? ahead.size() : line_end + 1);
     if (line_end != std::string_view::npos || !fill()) return std::string_view{};
   }

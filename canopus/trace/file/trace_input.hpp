@@ -51,9 +51,9 @@ class TraceInput {
   [[nodiscard]] std::string_view buffered() const noexcept;
   /// Skips this number of bytes; false if the file ends before.
   bool skip(std::uint64_t size);
-  /// The next line without its end; nothing at the end of the file. A line longer than trace_max_line is cut,
-  /// and is_cut() is true then. Valid until the next call.
-  [[nodiscard]] std::optional<std::string_view> line();
+  /// The next line without its end (and a carriage return before it); nothing at the end of the file. A line longer
+  /// than trace_max_line is cut, and is_cut() is true then. Valid until the next call.
+  [[nodiscard]] std::optional<std::string_view> line(char end = '\n');
   [[nodiscard]] bool is_cut() const noexcept { return cut_; }
 
  private:

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "canopus/trace/file/file_format.hpp"
+#include "canopus/trace/file/left_out.hpp"
 #include "canopus/trace/file/trace_input.hpp"
 #include "canopus/trace/file/trace_record.hpp"
 
@@ -26,8 +27,8 @@ class TraceReader {
   /// Channels named so far.
   [[nodiscard]] virtual std::size_t channel_count() const noexcept = 0;
   [[nodiscard]] virtual std::string_view channel(std::size_t number) const noexcept = 0;
-  /// Records that hold no classical CAN frame (CAN FD, comments, statistics) and were left out so far.
-  [[nodiscard]] virtual std::size_t left_out() const noexcept = 0;
+  /// Records that hold no classical CAN frame and were left out so far, and what the recorder lost.
+  [[nodiscard]] virtual const LeftOut& left_out() const noexcept = 0;
 };
 
 /// Opens a file ("-" is the standard input). Without a format it is found from the content, not from the name: a pipe is

@@ -8,20 +8,15 @@
 #include "canopus/ascii/words.hpp"
 
 namespace canopus::trace {
-namespace {
-
-constexpr std::string_view blanks = " \t";
-
-}  // namespace
 
 std::string_view Words::next() noexcept {
-  word_ = std::min(line_.find_first_not_of(blanks, at_), line_.size());
-  at_ = std::min(line_.find_first_of(blanks, word_), line_.size());
+  word_ = std::min(line_.find_first_not_of(separators_, at_), line_.size());
+  at_ = std::min(line_.find_first_of(separators_, word_), line_.size());
   return line_.substr(word_, at_ - word_);
 }
 
 std::string_view Words::rest() const noexcept {
-  return line_.substr(std::min(line_.find_first_not_of(blanks, at_), line_.size()));
+  return line_.substr(std::min(line_.find_first_not_of(separators_, at_), line_.size()));
 }
 
 std::optional<can::Duration> parse_time(std::string_view word, std::int64_t unit) noexcept {
@@ -64,6 +59,19 @@ std::optional<can::Duration> parse_time(std::string_view word, std::int64_t unit
   for (; exponent < -1 && digits != 0; ++exponent) digits /= 10;
   if (exponent == -1) digits = (digits + 5) / 10;
   return can::Duration(negative ? -digits : digits);
+}
+
+std::optional<can::Duration> parse_clock(std::string_view word) noexcept {
+  const std::size_t first = word.find(':');
+  const std::size_t second = first == std::string_view::npos ? first : word.find(':', first + 1);
+  if (second == std::string_view::npos) return std::nullopt;
+  const auto hours = ascii::parse_number<std::uint16_t>(word.substr(0, first));
+  const auto minutes = ascii::parse_number<std::uint8_t>(word.substr(first + 1, second - first - 1));
+  const auto seconds = parse_time(word.substr(second + 1), nanoseconds_per_second);
+  constexpr can::Duration minute = std::chrono::minutes(1);
+  if (!hours || !minutes || *minutes > 59 || !seconds || *seconds < can::Duration{} || *seconds >= minute)
+    return std::nullopt;
+  return std::chrono::hours(*hours) + std::chrono::minutes(*minutes) + *seconds;
 }
 
 std::string shown(std::string_view word) {

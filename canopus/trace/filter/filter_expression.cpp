@@ -14,11 +14,13 @@ namespace canopus::trace {
 
 namespace {
 
-constexpr std::array<std::string_view, 7> filter_keys{"node", "service", "object", "id", "bus", "from", "to"};
+constexpr std::array<std::string_view, 8> filter_keys{"node",  "service", "object", "id",
+                                                      "abort", "bus",     "from",   "to"};
 constexpr FilterNames term_names{.node = "node=",
                                  .service = "service=",
                                  .object = "object=",
                                  .identifier = "id=",
+                                 .abort = "abort=",
                                  .from = "from: ",
                                  .to = "to: "};
 
@@ -34,8 +36,8 @@ std::vector<std::string> split_values(std::string_view text) {
 
 bool is_in_errors(const Message& message) {
   using enum Service;
-  return message.service == error_frame || message.service == emcy || message.abort_code.has_value() ||
-         (message.is_transfer && message.end != TransferEnd::done);
+  return message.is_malformed || message.service == error_frame || message.service == emcy ||
+         message.abort_code.has_value() || (message.is_transfer && message.end != TransferEnd::done);
 }
 
 }  // namespace
@@ -56,7 +58,7 @@ std::expected<FilterExpression::Term, std::string> FilterExpression::parse_term(
   const auto shown = [&] { return text::printable(text); };
   if (std::ranges::find(filter_keys, key) == filter_keys.end()) {
     return std::unexpected(fmt::format(
-        "{}: expected node, service, object, id, bus, from or to before the \"=\"{}; text stands in "
+        "{}: expected node, service, object, id, abort, bus, from or to before the \"=\"{}; text stands in "
         "\"quotes\"",
         shown(),
         text::suggestion(std::string(key),
@@ -78,6 +80,7 @@ std::expected<FilterExpression::Term, std::string> FilterExpression::parse_term(
     auto& list = key == "node"      ? options.nodes
                  : key == "service" ? options.services
                  : key == "object"  ? options.objects
+                 : key == "abort"   ? options.aborts
                                     : options.identifiers;
     list = std::move(values);
   }

@@ -17,7 +17,7 @@ class FilterExpression {
 
   /// Terms separated by blanks must all hold. A term is KEY=VALUE or KEY=VALUE,VALUE (one of them) with the
   /// keys node, service, object, id, bus, from and to, which take what the options of `canopus trace show`
-  /// take; `errors`: error frames, emergencies and SDO transfers that did not succeed; or anything else, in
+  /// take, and abort (an abort code of SDO in hexadecimal digits); `errors`: malformed messages, error frames, emergencies and SDO transfers that did not succeed; or anything else, in
   /// "quotes" with blanks: text of the line, in upper or lower case. `!` before a term negates it. The error
   /// is a sentence that begins with the term.
   [[nodiscard]] static std::expected<FilterExpression, std::string> parse(std::string_view text);

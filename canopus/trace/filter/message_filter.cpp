@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/text/nearest_word.hpp"
 #include "canopus/text/text_values.hpp"
 
@@ -45,8 +46,12 @@ std::expected<MessageFilter, std::string> MessageFilter::read(const FilterOption
                                                               const FilterNames& names) {
   MessageFilter filter;
   for (const std::string& text : options.nodes) {
+    if (!text.empty() && !ascii::is_digit(text.front()) && text.front() != '-') {
+      filter.node_names_.push_back(ascii::lower(text));
+      continue;
+    }
     const auto node = parse_number(text, 10, 127);
-    if (!node) return wrong(names.node, text, "a node-ID 1 to 127, or 0 for all");
+    if (!node) return wrong(names.node, text, "a node-ID 1 to 127, 0 for all, or a name");
     filter.nodes_.push_back(*node);
   }
   for (const std::string& text : options.services) {
@@ -68,6 +73,11 @@ std::expected<MessageFilter, std::string> MessageFilter::read(const FilterOption
     if (!identifier)
       return wrong(names.identifier, text, "an identifier in hexadecimal digits, 0 to 1FFFFFFF");
     filter.identifiers_.push_back(*identifier);
+  }
+  for (const std::string& text : options.aborts) {
+    const auto code = parse_number(text, 16, 0xFFFF'FFFF);
+    if (!code) return wrong(names.abort, text, "an abort code in hexadecimal digits, 0 to FFFFFFFF");
+    filter.aborts_.push_back(*code);
   }
   const auto from = parse_time(names.from, options.from);
   if (!from) return std::unexpected(from.error());
@@ -100,9 +110,19 @@ bool MessageFilter::has_object(const Message& message) const {
   });
 }
 
+bool MessageFilter::has_node(const Message& message) const {
+  if (nodes_.empty() && node_names_.empty()) return true;
+  const auto begins_so = [name = ascii::lower(message.node_name)](const std::string& begin) {
+    return name.starts_with(begin);
+  };
+  return std::ranges::find(nodes_, message.node) != nodes_.end() ||
+         std::ranges::any_of(node_names_, begins_so);
+}
+
 bool MessageFilter::wants(const Message& message, can::Duration since) const {
   if ((from_ && since < *from_) || is_over(since)) return false;
-  return is_wanted(nodes_, message.node) && is_wanted(services_, message.service) &&
+  if (!aborts_.empty() && (!message.abort_code || !is_wanted(aborts_, *message.abort_code))) return false;
+  return has_node(message) && is_wanted(services_, message.service) &&
          is_wanted(identifiers_, message.frame.identifier) && (objects_.empty() || has_object(message));
 }
 

@@ -15,10 +15,11 @@
 namespace canopus::trace {
 
 struct FilterOptions {
-  std::vector<std::string> nodes{};
+  std::vector<std::string> nodes{};  ///< node-IDs, or what the names of nodes begin with
   std::vector<std::string> services{};
   std::vector<std::string> objects{};
   std::vector<std::string> identifiers{};
+  std::vector<std::string> aborts{};
   std::vector<std::string> channels{};
   std::string from{};
   std::string to{};
@@ -27,10 +28,11 @@ struct FilterOptions {
 
 /// The name before a value in an error message.
 struct FilterNames {
-  std::string_view node = "--only-node ";
+  std::string_view node = "--node ";
   std::string_view service = "--service ";
   std::string_view object = "--object: ";
-  std::string_view identifier = "--id ";
+  std::string_view identifier = "--can-id ";
+  std::string_view abort = "--abort ";
   std::string_view from = "--from: ";
   std::string_view to = "--to: ";
 };
@@ -55,10 +57,14 @@ class MessageFilter {
   };
   [[nodiscard]] bool has_object(const Message& message) const;
 
+  [[nodiscard]] bool has_node(const Message& message) const;
+
   std::vector<unsigned> nodes_;
+  std::vector<std::string> node_names_;  ///< in lower-case letters
   std::vector<Service> services_;
   std::vector<Object> objects_;
   std::vector<std::uint32_t> identifiers_;
+  std::vector<std::uint32_t> aborts_;
   std::optional<can::Duration> from_;
   std::optional<can::Duration> to_;
 };

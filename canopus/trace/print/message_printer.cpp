@@ -17,6 +17,7 @@ constexpr std::size_t widest_column = 32;
 
 /// A colour for important messages.
 std::string_view colour_of(const Message& message) {
+  if (message.is_malformed) return "31";
   switch (message.service) {
     case Service::emcy: return message.emcy_code.value_or(0) == 0 ? "32" : "31";
     case Service::error_frame: return "31";
@@ -25,7 +26,7 @@ std::string_view colour_of(const Message& message) {
     case Service::nmt: return "33";
     case Service::error_control: return message.kind == "boot-up" ? "33" : "2";
     case Service::sync: return "2";
-    default: return message.kind == "malformed" ? "31" : "";
+    default: return "";
   }
 }
 
@@ -94,8 +95,9 @@ std::string object_text(const Message& message) {
 }
 
 std::string searched_text(const Message& message, std::string_view bus) {
-  return fmt::format("{} {} {} {} {} {}", bus, service_text(message), node_text(message),
-                     object_text(message), message.kind, message.text);
+  return fmt::format("{} {} {} {} {} {}{}", bus, service_text(message), node_text(message),
+                     object_text(message), message.kind, message.is_malformed ? "malformed " : "",
+                     message.text);
 }
 
 std::string MessagePrinter::time_text(can::Time time) {
@@ -118,7 +120,8 @@ void MessagePrinter::print(const Message& message, std::string_view channel) {
   line.add("{:>3}  {:<13}  {}  ", identifier_text(message.frame), service_text(message),
            padded(node_text(message), node_width_));
   if (options_.frames && !message.is_transfer) line.add("{:<27}  ", bytes_text(message.frame));
-  const std::string text = message.is_copy ? message.text + " (recorded twice)" : message.text;
+  std::string text = message.is_malformed ? "malformed: " + message.text : message.text;
+  if (message.is_copy) text += " (recorded twice)";
   line.add("{}", text::paint(text, colour_of(message), options_.colour && !colour_of(message).empty()));
   out_.line(line);
 }
@@ -149,6 +152,8 @@ text::Json to_json(const Message& message, std::string_view channel) {
     } else {
       one["value"] = signal.value;
     }
+    if (!signal.unit.empty()) one["unit"] = signal.unit;
+    if (!signal.words.empty()) one["words"] = signal.words;
     json["signals"].push_back(std::move(one));
   }
   if (message.emcy_code) json["emcy"] = fmt::format("{:04X}", *message.emcy_code);
@@ -163,6 +168,7 @@ text::Json to_json(const Message& message, std::string_view channel) {
     json["duration_ms"] = static_cast<double>(message.duration.count()) / 1e6;
   }
   if (message.is_copy) json["copy"] = true;
+  if (message.is_malformed) json["malformed"] = true;
   json["text"] = message.text;
   return json;
 }

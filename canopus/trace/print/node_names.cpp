@@ -33,7 +33,7 @@ bool add_node_names(const std::string& text, Names& names, text::Output& err) {
   const std::size_t sign = text.find('=');
   const auto node_id = parse_node_id(std::string_view(text).substr(0, sign));
   if (sign == std::string::npos || !node_id) {
-    err.line("canopus: --node {}: expected a node-ID 1 to 127, = and a device file, as 3=encoder.eds", text);
+    err.line("canopus: --eds {}: expected a node-ID 1 to 127, = and a device file, as 3=encoder.eds", text);
     return false;
   }
   const auto file = load_device_file(text.substr(sign + 1), err);

@@ -39,6 +39,7 @@ Json node_json(std::uint8_t node_id, const NodeFigures& node) {
   if (!node.name.empty()) json["name"] = node.name;
   json["boot_ups"] = node.boot_ups;
   json["emergencies"] = node.emergencies;
+  json["malformed"] = node.malformed;
   json["heartbeats"] = node.heartbeats;
   json["lost_heartbeats"] = node.lost_heartbeats;
   if (node.producer_time > can::Duration::zero()) {
@@ -70,6 +71,7 @@ Json channel_json(const ChannelFigures& channel, can::Duration duration, std::ui
     Json entry;
     entry["id"] = identifier_of_key(key);
     entry["who"] = one.who;
+    if (!one.signals.empty()) entry["signals"] = one.signals;
     entry["frames"] = one.frames;
     entry["bits"] = one.bits;
     entry["cycle"] = figures_json(one.cycle);
@@ -77,6 +79,7 @@ Json channel_json(const ChannelFigures& channel, can::Duration duration, std::ui
   }
   json["nodes"] = Json::array();
   for (const auto& [node_id, node] : channel.nodes) json["nodes"].push_back(node_json(node_id, node));
+  for (const std::uint8_t node_id : channel.absent) json["absent"].push_back(node_id);
   return json;
 }
 
@@ -102,6 +105,12 @@ text::Json to_json(const Statistics& statistics, std::uint32_t bit_rate) {
   for (unsigned i = 0; i < service_count; ++i) {
     json["services"][std::string(name(static_cast<Service>(i)))] = statistics.services()[i];
   }
+  json["malformed_services"] = Json::object();
+  for (unsigned i = 0; i < service_count; ++i) {
+    const std::uint64_t count = statistics.malformed_services()[i];
+    if (count != 0) json["malformed_services"][std::string(name(static_cast<Service>(i)))] = count;
+  }
+  json["malformed"] = events_json(statistics.malformed(), statistics.begin());
   json["channels"] = Json::array();
   for (const auto& [number, channel] : statistics.channels()) {
     json["channels"].push_back(channel_json(channel, statistics.duration(), bit_rate));

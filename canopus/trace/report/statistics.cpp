@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "canopus/can/frame_bits.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
 
 namespace canopus::trace {
 namespace {
@@ -44,6 +45,29 @@ std::string who_sends(const Message& message) {
   if (message.node == 0 || message.service == Service::nmt || message.service == Service::mpdo)
     return service;
   return fmt::format("{} of {}", service, node_text(message));
+}
+
+std::string names_of(const std::vector<Signal>& signals) {
+  std::string names;
+  for (const Signal& signal : signals) {
+    names += names.empty() ? "" : ", ";
+    names += signal.name.empty() ? canopen::object_text(signal.index, signal.sub) : signal.name;
+  }
+  return names;
+}
+
+/// A question for the device type to which nothing was answered: the time-out of a client, or silence.
+bool is_probe(const Message& message) {
+  constexpr std::uint32_t timed_out = 0x05040000;
+  const bool is_in_vain = message.end == TransferEnd::unanswered ||
+                          (message.end == TransferEnd::aborted && message.abort_code == timed_out);
+  return message.is_read && message.index == 0x1000 && message.sub == 0 && is_in_vain;
+}
+
+/// Nothing of it is in the trace.
+bool is_silent(const NodeFigures& node) {
+  return node.boot_ups + node.heartbeats + node.emergencies + node.reads + node.writes + node.malformed ==
+         node.aborts;
 }
 
 }  // namespace
@@ -95,6 +119,7 @@ void Statistics::message(const Message& message, const Decoder& decoder) {
   }
   channel.second_bits += bits;
   count_identifier(channel, message, bits);
+  if (message.is_malformed) count_malformed(channel, message);
   if (message.node == 0 || message.service == Service::nmt) return;
   const bool speaks = message.service == Service::error_control || message.service == Service::emcy;
   if (!speaks) return;
@@ -104,7 +129,7 @@ void Statistics::message(const Message& message, const Decoder& decoder) {
   if (message.kind == "boot-up" || message.kind == "heartbeat") heartbeat(node, message, decoder);
   if (message.service == Service::emcy) {
     ++node.emergencies;
-    note(emergencies_, message);
+    note(emergencies_, message, message.text);
   }
 }
 
@@ -120,6 +145,7 @@ void Statistics::count_identifier(ChannelFigures& channel, const Message& messag
   }
   identifier.bits += bits;
   if (identifier.who.empty() || message.service == Service::pdo) identifier.who = who_sends(message);
+  if (!message.signals.empty()) identifier.signals = names_of(message.signals);
 }
 
 void Statistics::heartbeat(NodeFigures& node, const Message& message, const Decoder& decoder) {
@@ -144,22 +170,52 @@ void Statistics::heartbeat(NodeFigures& node, const Message& message, const Deco
 
 void Statistics::transfer(NodeFigures& node, const Message& message) {
   node.name = message.node_name;
+  if (is_probe(message)) ++node.probes;
   if (message.end == TransferEnd::unanswered) {
     ++node.unanswered;
-    return note(failures_, message);
+    return note(failures_, message, message.text);
   }
   ++(message.is_read ? node.reads : node.writes);
   if (message.end == TransferEnd::done) return node.sdo.add(message.duration);
   ++(message.end == TransferEnd::aborted ? node.aborts : node.unfinished);
-  note(failures_, message);
+  note(failures_, message, message.text);
 }
 
-void Statistics::note(std::vector<TraceEvent>& list, const Message& message) {
+void Statistics::count_malformed(ChannelFigures& channel, const Message& message) {
+  ++malformed_services_[static_cast<std::size_t>(message.service)];
+  if (message.node != 0 && message.service != Service::nmt) {
+    NodeFigures& node = channel.nodes[message.node];
+    node.name = message.node_name;
+    ++node.malformed;
+  }
+  const std::string_view service = name(message.service);
+  note(malformed_, message,
+       fmt::format("{:0{}X} {}: {}", message.frame.identifier, message.frame.extended ? 8 : 3, service,
+                   message.text));
+}
+
+void Statistics::note(std::vector<TraceEvent>& list, const Message& message, std::string text) {
   if (list.size() < most_events)
-    list.push_back({message.time, message.channel, message.node, message.node_name, message.text});
+    list.push_back({message.time, message.channel, message.node, message.node_name, std::move(text),
+                    message.is_transfer && is_probe(message)});
+}
+
+void Statistics::set_absent_nodes_apart() {
+  for (auto& [number, channel] : channels_) {
+    for (const auto& [node_id, node] : channel.nodes) {
+      if (node.probes > 0 && node.probes == node.aborts + node.unanswered && node.unfinished == 0 &&
+          is_silent(node))
+        channel.absent.push_back(node_id);
+    }
+    for (const std::uint8_t node_id : channel.absent) channel.nodes.erase(node_id);
+  }
+  std::erase_if(failures_, [this](const TraceEvent& event) {
+    return event.is_probe && std::ranges::binary_search(channels_.at(event.channel).absent, event.node);
+  });
 }
 
 void Statistics::finish() {
+  set_absent_nodes_apart();
   for (auto& [number, channel] : channels_) {
     channel.busiest_bits = std::max(channel.busiest_bits, channel.second_bits);
     for (auto& [node_id, node] : channel.nodes) {

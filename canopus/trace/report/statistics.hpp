@@ -40,13 +40,15 @@ struct IdentifierFigures {
   std::uint64_t bits = 0;  ///< with stuff bits and intermission
   TimeFigures cycle{};     ///< from frame to frame; remote frames do not count
   can::Time last{};
-  std::string who{};  ///< "TPDO1 of 3 (encoder)"
+  std::string who{};      ///< "TPDO1 of 3 (encoder)"
+  std::string signals{};  ///< of a PDO, as its mapping has them: "Position value, 6000:01"; empty: not known
 };
 
 struct NodeFigures {
   std::string name{};
   std::uint64_t boot_ups = 0;
   std::uint64_t emergencies = 0;
+  std::uint64_t malformed = 0;  ///< messages
   std::uint64_t heartbeats = 0;
   std::uint64_t lost_heartbeats = 0;       ///< that should have come in the gaps
   can::Duration producer_time{};           ///< 0: not known
@@ -57,6 +59,7 @@ struct NodeFigures {
   std::uint64_t aborts = 0;
   std::uint64_t unanswered = 0;
   std::uint64_t unfinished = 0;  ///< and overtaken
+  std::uint64_t probes = 0;      ///< reads of 1000:00 that had no answer, as a scan makes them
   TimeFigures sdo{};             ///< from request to end, of those that were done
   std::optional<can::Time> last_heartbeat{};
   std::vector<can::Duration> gaps{};  ///< the first ones, where the producer time is not known
@@ -70,6 +73,8 @@ struct ChannelFigures {
   std::uint64_t busiest_bits = 0;  ///< within one second, counted from the trace's first frame
   std::map<std::uint32_t, IdentifierFigures> identifiers{};  ///< key_of()
   std::map<std::uint8_t, NodeFigures> nodes{};
+  /// Node-IDs that a scan asked for 1000:00 in vain, and that sent no heartbeat, EMCY or SDO answer; they are none of `nodes`.
+  std::vector<std::uint8_t> absent{};
   std::uint64_t second_bits = 0;  // of the second that is under way
   std::int64_t second = 0;
 };
@@ -81,11 +86,12 @@ struct TraceEvent {
   std::uint8_t node = 0;
   std::string node_name{};
   std::string text{};
+  bool is_probe = false;  ///< a read of 1000:00 without an answer
 };
 
 class Statistics {
  public:
-  /// Emergencies, aborted and unanswered SDOs that are kept one by one.
+  /// Malformed messages, emergencies, and aborted and unanswered SDOs that are kept one by one.
   static constexpr std::size_t most_events = 1000;
   /// Identifiers of a channel that are counted one by one.
   static constexpr std::size_t most_identifiers = 65536;
@@ -103,6 +109,11 @@ class Statistics {
   [[nodiscard]] const std::array<std::uint64_t, service_count>& services() const noexcept {
     return services_;
   }
+  /// Malformed messages, by service; the first of them one by one, with identifier and service in their text.
+  [[nodiscard]] const std::array<std::uint64_t, service_count>& malformed_services() const noexcept {
+    return malformed_services_;
+  }
+  [[nodiscard]] const std::vector<TraceEvent>& malformed() const noexcept { return malformed_; }
   [[nodiscard]] const std::vector<TraceEvent>& emergencies() const noexcept { return emergencies_; }
   [[nodiscard]] const std::vector<TraceEvent>& failures() const noexcept { return failures_; }
 
@@ -110,12 +121,16 @@ class Statistics {
   static void count_identifier(ChannelFigures& channel, const Message& message, std::uint64_t bits);
   void heartbeat(NodeFigures& node, const Message& message, const Decoder& decoder);
   void transfer(NodeFigures& node, const Message& message);
-  void note(std::vector<TraceEvent>& list, const Message& message);
+  void set_absent_nodes_apart();
+  void count_malformed(ChannelFigures& channel, const Message& message);
+  static void note(std::vector<TraceEvent>& list, const Message& message, std::string text);
 
   std::optional<can::Time> begin_;
   can::Time end_{};
   std::map<std::uint16_t, ChannelFigures> channels_;
   std::array<std::uint64_t, service_count> services_{};
+  std::array<std::uint64_t, service_count> malformed_services_{};
+  std::vector<TraceEvent> malformed_;
   std::vector<TraceEvent> emergencies_;
   std::vector<TraceEvent> failures_;
 };
