@@ -15,7 +15,7 @@ constexpr std::uint16_t socketcand_port = 29536;
 constexpr std::uint16_t cannelloni_port = 20000;
 constexpr std::string_view multicast_group = "239.74.163.2";  // python-can's
 constexpr std::uint16_t multicast_port = 43113;
-constexpr std::uint32_t usual_serial_speed = 115200;
+constexpr std::uint32_t default_serial_speed = 115200;
 /// IFNAMSIZ - 1.
 constexpr std::size_t longest_interface = 15;
 /// Longest name for `< open NAME >` that other makes of servers accept.
@@ -50,7 +50,7 @@ bool read_number(std::string_view digits, Number& number) {
   return number != 0;
 }
 
-bool take_prefix(std::string_view& text, std::string_view prefix) {
+bool skip_prefix(std::string_view& text, std::string_view prefix) {
   if (!text.starts_with(prefix)) return false;
   text.remove_prefix(prefix.size());
   return true;
@@ -121,7 +121,7 @@ Parsed parse_slcan(std::string_view text, std::string_view rest) {
     }
     rest = rest.substr(0, at);
   }
-  address.tcp = take_prefix(rest, "tcp:");
+  address.tcp = skip_prefix(rest, "tcp:");
   if (address.tcp) {
     if (const auto read = read_host_and_port(text, slcan_form, rest, address); !read) {
       return std::unexpected(read.error());
@@ -129,7 +129,7 @@ Parsed parse_slcan(std::string_view text, std::string_view rest) {
     if (address.host.empty() || address.port == 0 || !rest.empty()) return refuse(text, slcan_form);
     return address;
   }
-  address.serial_speed = usual_serial_speed;
+  address.serial_speed = default_serial_speed;
   if (const std::size_t comma = rest.rfind(','); comma != std::string_view::npos) {
     if (!read_number(rest.substr(comma + 1), address.serial_speed)) {
       return refuse(text, "the speed of the serial line in bit/s behind the comma, for example 115200");
@@ -160,7 +160,7 @@ Parsed parse_multicast(std::string_view text, std::string_view rest) {
 
 Parsed parse_cannelloni(std::string_view text, std::string_view rest) {
   BusAddress address{.kind = Kind::cannelloni, .port = cannelloni_port};
-  address.tcp = take_prefix(rest, "tcp:");
+  address.tcp = skip_prefix(rest, "tcp:");
   if (const auto read = read_host_and_port(text, cannelloni_form, rest, address); !read) {
     return std::unexpected(read.error());
   }
@@ -182,11 +182,11 @@ std::string endpoint(const BusAddress& address) {
 
 std::expected<BusAddress, std::string> parse_bus_address(std::string_view text) {
   std::string_view rest = text;
-  if (take_prefix(rest, "socketcan:")) return parse_socketcan(text, rest);
-  if (take_prefix(rest, "socketcand:")) return parse_socketcand(text, rest);
-  if (take_prefix(rest, "slcan:")) return parse_slcan(text, rest);
-  if (take_prefix(rest, "udp-multicast:")) return parse_multicast(text, rest);
-  if (take_prefix(rest, "cannelloni:")) return parse_cannelloni(text, rest);
+  if (skip_prefix(rest, "socketcan:")) return parse_socketcan(text, rest);
+  if (skip_prefix(rest, "socketcand:")) return parse_socketcand(text, rest);
+  if (skip_prefix(rest, "slcan:")) return parse_slcan(text, rest);
+  if (skip_prefix(rest, "udp-multicast:")) return parse_multicast(text, rest);
+  if (skip_prefix(rest, "cannelloni:")) return parse_cannelloni(text, rest);
   return refuse(
       text,
       "socketcand:HOST:PORT/BUS, socketcan:INTERFACE, slcan:DEVICE@BITRATE, udp-multicast:GROUP:PORT or "
@@ -198,7 +198,7 @@ std::string describe(const BusAddress& address) {
     case Kind::socketcan: return "socketcan:" + address.bus;
     case Kind::slcan: {
       std::string text = "slcan:" + (address.tcp ? "tcp:" + endpoint(address) : address.bus);
-      if (!address.tcp && address.serial_speed != usual_serial_speed)
+      if (!address.tcp && address.serial_speed != default_serial_speed)
         text += fmt::format(",{}", address.serial_speed);
       if (address.bit_rate != 0) text += fmt::format("@{}", address.bit_rate);
       return text;

@@ -86,7 +86,7 @@ BusLoop::End BusLoop::run(const std::function<bool()>& done, can::Time end) {
   while (true) {
     // Received frames are processed before timeouts: this process may have been suspended for long.
     const can::Time time = now();
-    if (patient_) patient_->look(elapsed());
+    if (patient_) patient_->advance(elapsed());
     if (io_.stopped()) io_.restart();
     poll_portion(io_, [this] { return interrupted_ || lost_; });
     timeline_.run_until(time);

@@ -15,11 +15,11 @@ std::string_view describe_error_frame(std::uint32_t error_class,
   const bool in_acknowledgement_slot =
       (error_class & CAN_ERR_PROT) != 0 && byte(3) == static_cast<unsigned>(CAN_ERR_PROT_LOC_ACK);
   if ((error_class & CAN_ERR_ACK) != 0 || in_acknowledgement_slot)
-    return "nobody acknowledges: no other node on this bus";
+    return "no acknowledgement: no other node on this bus";
   if ((error_class & CAN_ERR_BUSOFF) != 0) return "the controller of this machine is bus-off";
   // The state of a controller alone on its bus, if its driver does not report single errors.
   if ((error_class & CAN_ERR_CRTL) != 0 && (byte(1) & CAN_ERR_CRTL_TX_PASSIVE) != 0)
-    return "the controller of this machine is error passive: nobody acknowledges its frames (no other node "
+    return "the controller of this machine is error passive: its frames are not acknowledged (no other node "
            "on "
            "this bus), or others destroy them";
   return {};

@@ -13,7 +13,7 @@ using boost::system::error_code;
 DatagramTransport::DatagramTransport(asio::io_context& io, BusAddress address, BusClientOptions options)
     : Transport(io, options), address_(std::move(address)), socket_(io), pause_(io) {}
 
-void DatagramTransport::take_socket(Socket socket) {
+void DatagramTransport::use_socket(Socket socket) {
   socket_ = std::move(socket);
   error_code ignored;
   socket_.non_blocking(true, ignored);

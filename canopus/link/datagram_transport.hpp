@@ -27,7 +27,7 @@ class DatagramTransport : public Transport {
   virtual void write_frames() = 0;
 
   /// Reads from this socket from now on.
-  void take_socket(Socket socket);
+  void use_socket(Socket socket);
   /// False: not now (tried again), or the bus is lost.
   bool write_datagram(Socket& socket, std::span<const std::uint8_t> bytes, const Endpoint& to);
   void disconnect() override;

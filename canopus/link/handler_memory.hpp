@@ -14,7 +14,7 @@ namespace canopus::link {
 
 class HandlerMemory {
  public:
-  void* take(std::size_t size) {
+  void* allocate_bytes(std::size_t size) {
     if (in_use_ || size > place_.size()) return ::operator new(size);
     in_use_ = true;
     return place_.data();
@@ -42,7 +42,7 @@ class HandlerAllocator {
   template <typename Other>
   explicit(false) HandlerAllocator(const HandlerAllocator<Other>& other) noexcept : memory_(other.memory()) {}
 
-  T* allocate(std::size_t count) { return static_cast<T*>(memory_->take(count * sizeof(T))); }
+  T* allocate(std::size_t count) { return static_cast<T*>(memory_->allocate_bytes(count * sizeof(T))); }
   void deallocate(T* place, std::size_t /*count*/) noexcept { memory_->give_back(place); }
   [[nodiscard]] const std::shared_ptr<HandlerMemory>& memory() const noexcept { return memory_; }
   template <typename Other>

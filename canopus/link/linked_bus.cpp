@@ -281,7 +281,7 @@ void LinkedBus::want_bit_rate(LinkedPort& port, std::uint32_t bit_rate) {
   }
   port.has_other_rate_ = true;
   if (had_other_rate) return;
-  report(fmt::format("{} wants {} bit/s, and the bus has {} bit/s: it hears and sends nothing there ({})",
+  report(fmt::format("{} wants {} bit/s, and the bus has {} bit/s: it receives and sends nothing there ({})",
                      port.name_, bit_rate, present, done.error()));
 }
 
@@ -292,7 +292,7 @@ void LinkedBus::want_recovery() {
   }
 }
 
-void LinkedBus::tell_controllers(can::Time now) {
+void LinkedBus::report_controllers(can::Time now) {
   for (const auto& port : ports_) {
     if (!port->is_on() || port->participant_ == nullptr) continue;
     if (status_.state == can::ErrorState::bus_off) ++port->counters_.bus_offs;
@@ -313,7 +313,7 @@ void LinkedBus::controller_changed(const ControllerStatus& status) {
       recover_at_ = can::later(now, can::bit_time(recovery_bits, bit_rate_));
     }
   }
-  tell_controllers(now);
+  report_controllers(now);
   leave();
 }
 
@@ -331,14 +331,14 @@ void LinkedBus::bus_resumed() {
   status_ = client_->status();
   report("the bus is there again");
   offer_changed();
-  tell_controllers(now);
+  report_controllers(now);
   leave();
 }
 
 void LinkedBus::bus_lost(const std::string& reason) {
   (void)arrive();
   is_lost_ = true;
-  report(fmt::format("{}; nothing is heard and sent any more", reason));
+  report(fmt::format("{}; no frames are received or sent any more", reason));
   leave();
 }
 

@@ -151,7 +151,7 @@ class LinkedBus final : public can::Bus, public can::Ticker, private BusClientLi
   void want_bit_rate(LinkedPort& port, std::uint32_t bit_rate);
   void want_recovery();
   void report(std::string_view text);
-  void tell_controllers(can::Time now);
+  void report_controllers(can::Time now);
   LinkedPort* first_in_arbitration() noexcept;
 
   std::string name_;

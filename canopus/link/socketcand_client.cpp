@@ -41,7 +41,7 @@ class SocketcandTransport final : public StreamTransport, private SocketcandDial
     if (!is_open()) return std::unexpected("the connection is interrupted");
     abort_transmissions();
     restarted_.reset();
-    dialogue_->ask_bit_rate(bit_rate);
+    dialogue_->request_bit_rate(bit_rate);
     return {};
   }
   std::optional<std::expected<void, std::string>> restarted() const override { return restarted_; }

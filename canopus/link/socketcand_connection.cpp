@@ -37,6 +37,7 @@ void SocketcandServer::Client::on_read(const error_code& failure, std::size_t si
   const can::Time now = server_->clock.now();
   if (server_ == nullptr) return;  // the run ended on the way there
   reading_ = false;
+  time_ = now;
   const auto before = session_.state();
   if (failure) {
     read_all_ = true;
@@ -52,6 +53,7 @@ void SocketcandServer::Client::on_read(const error_code& failure, std::size_t si
 void SocketcandServer::Client::client_is_gone(can::Time now) {
   if (gone_) return;
   gone_ = true;
+  session_.end_jobs();
   queued_ = std::min<std::size_t>(queued_, writing_ ? 1 : 0);
   close_at_.bring_forward(can::later(now, server_->limits.linger));
 }
@@ -63,9 +65,9 @@ void SocketcandServer::Client::after_input(SocketcandSession::State before, can:
     hold_until_ = can::later(now, server_->limits.settle);
   }
   if (!session_.waiting()) {
-    look_at_ = can::never;
-  } else if (look_at_ == can::never) {
-    look_at_ = can::later(now, look_interval);
+    check_at_ = can::never;
+  } else if (check_at_ == can::never) {
+    check_at_ = can::later(now, check_interval);
     if (!gave_up_) progress_at_ = now;
   }
   if (ending()) {
@@ -77,9 +79,12 @@ void SocketcandServer::Client::after_input(SocketcandSession::State before, can:
 
 void SocketcandServer::Client::receive(const can::Frame& frame, can::Time now) {
   // Remote frames are not passed on: the protocol's raw mode has no element for them that clients support.
-  if (server_ == nullptr || ending() || session_.state() != SocketcandSession::State::raw || frame.remote) {
-    return;
-  }
+  if (server_ == nullptr || ending() || frame.remote) return;
+  if (session_.state() != SocketcandSession::State::raw) return session_.filter(frame, now);
+  queue_frame(frame, now, SocketcandData::together);
+}
+
+void SocketcandServer::Client::queue_frame(const can::Frame& frame, can::Time time, SocketcandData data) {
   report_lost();
   Message* slot = lost_ == 0 ? claim_slot(reserved_for_answers) : nullptr;
   if (slot == nullptr) {
@@ -88,7 +93,7 @@ void SocketcandServer::Client::receive(const can::Frame& frame, can::Time now) {
     return;
   }
   ++server_->statistics.frames_to_clients;
-  slot->length = static_cast<std::uint8_t>(write_socketcand_frame(slot->text, frame, now));
+  slot->length = static_cast<std::uint8_t>(write_socketcand_frame(slot->text, frame, time, data));
   slot->frame = true;
   write_next();
 }
@@ -111,7 +116,9 @@ void SocketcandServer::Client::controller_error(std::uint32_t error_class, can::
 
 void SocketcandServer::Client::tick(can::Time now) {
   if (server_ == nullptr) return;
-  if (now >= look_at_) look(now);
+  time_ = now;
+  session_.tick(now);
+  if (now >= check_at_) check_client(now);
   if (now >= close_at_) {
     close_at_ = can::never;
     leave_later();
@@ -123,8 +130,8 @@ void SocketcandServer::Client::tick(can::Time now) {
 }
 
 /// A client that waits for the bus is not read, so neither its end nor its patience shows by itself.
-void SocketcandServer::Client::look(can::Time now) {
-  look_at_ = can::later(now, look_interval);
+void SocketcandServer::Client::check_client(can::Time now) {
+  check_at_ = can::later(now, check_interval);
   if (is_closed_by_peer(socket_)) client_is_gone(now);
   const auto before = session_.state();
   if (now - progress_at_ >= server_->limits.patience) {
@@ -149,6 +156,7 @@ bool SocketcandServer::Client::restart(std::uint32_t bit_rate) {
 
 void SocketcandServer::Client::bus_has_room(can::Time now) {
   if (server_ == nullptr) return;
+  time_ = now;
   const auto before = session_.state();
   session_.resume();
   after_input(before, now);

@@ -61,7 +61,8 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
         session_(server.bus_name, *this, *this),
         queue_(std::max(server.limits.queue, 2 * reserved_for_answers)),
         stall_(server.io) {
-    for (can::Alarm* part : {&hold_until_, &close_at_, &look_at_}) alarm().add_part(*part);
+    for (can::Alarm* part : {&hold_until_, &close_at_, &check_at_, &session_.alarm()})
+      alarm().add_part(*part);
   }
 
   [[nodiscard]] bool attach() {
@@ -108,7 +109,7 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   static constexpr std::size_t reserved_for_answers = 512;
   static_assert(most_answers < reserved_for_answers);
   /// Poll interval of a client that is not read because the bus is full.
-  static constexpr can::Duration look_interval = std::chrono::milliseconds(20);
+  static constexpr can::Duration check_interval = std::chrono::milliseconds(20);
   /// Most bytes of a disconnected client's input that are read to count its frames.
   static constexpr std::size_t most_counted = 256 * 1024;
 
@@ -116,6 +117,10 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   bool send(const can::Frame& frame) override;
   // SocketcandSession::Peer
   void message(std::string_view text) override;
+  void filtered_frame(const can::Frame& frame, can::Time time) override {
+    queue_frame(frame, time, SocketcandData::apart);
+  }
+  [[nodiscard]] can::Time now() const override { return time_; }
   bool restart(std::uint32_t bit_rate) override;
 
   void read();
@@ -123,12 +128,13 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   void on_written(const boost::system::error_code& failure);
   void write_next();
   Message* claim_slot(std::size_t reserve);
+  void queue_frame(const can::Frame& frame, can::Time time, SocketcandData data);
   void report_lost();
   void judge_reading();
   void bus_has_room(can::Time now);
   void after_input(SocketcandSession::State before, can::Time now);
   void client_is_gone(can::Time now);
-  void look(can::Time now);
+  void check_client(can::Time now);
   [[nodiscard]] std::uint64_t drop_input();
   void end_soon();
   void leave_later();
@@ -159,7 +165,8 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   std::uint32_t on_the_way_ = 0;     // frames given to the bus and not yet transmitted
   can::Alarm hold_until_;            // frames wait for this moment when it is not never
   can::Alarm close_at_;              // when to close with unsent output
-  can::Alarm look_at_;               // next poll of a client that waits for the bus
+  can::Alarm check_at_;              // next poll of a client that waits for the bus
+  can::Time time_{};                 // of the last call that had one
   can::Time progress_at_{};          // when the bus took a frame last, or waiting began
 };
 

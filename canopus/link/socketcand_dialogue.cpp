@@ -75,14 +75,14 @@ void SocketcandDialogue::receive(std::string_view bytes) {
   }
 }
 
-void SocketcandDialogue::ask_bit_rate(std::uint32_t bit_rate) {
+void SocketcandDialogue::request_bit_rate(std::uint32_t bit_rate) {
   bit_rate_asked_ = true;
   peer_.message("< " + bus_name_ + (bus_name_.empty() ? "B " : " B ") + std::to_string(bit_rate) + " >");
 }
 
 void SocketcandDialogue::element(std::string_view text) {
   std::string_view rest = text;
-  const std::string_view word = take_word(rest);
+  const std::string_view word = next_word(rest);
   switch (state_) {
     case State::greeting:
       if (word != "hi") return fail("expected its greeting, found \"" + printable(text) + '"');
@@ -111,13 +111,13 @@ void SocketcandDialogue::element(std::string_view text) {
 
 // `581 12.000345 4318100101000000`; some servers put blanks between the bytes.
 void SocketcandDialogue::frame(std::string_view arguments) {
-  const std::string_view identifier_word = take_word(arguments);
+  const std::string_view identifier_word = next_word(arguments);
   const auto identifier = ascii::parse_number<std::uint32_t>(identifier_word, 16);
   can::Frame frame{.extended = identifier_word.size() == 8};
-  (void)take_word(arguments);  // the server's time
+  (void)next_word(arguments);  // the server's time
   const std::uint32_t highest = frame.extended ? can::max_extended_identifier : can::max_base_identifier;
   bool good = identifier && *identifier <= highest;
-  for (std::string_view word = take_word(arguments); good && !word.empty(); word = take_word(arguments)) {
+  for (std::string_view word = next_word(arguments); good && !word.empty(); word = next_word(arguments)) {
     for (; good && !word.empty(); word.remove_prefix(std::min<std::size_t>(2, word.size()))) {
       const auto byte = ascii::byte_of_hex(word.substr(0, 2));
       good = byte && frame.dlc < 8;
@@ -133,9 +133,9 @@ void SocketcandDialogue::frame(std::string_view arguments) {
 // Words, or an error frame of the server's CAN interface: `020 12.000345`.
 void SocketcandDialogue::error_element(std::string_view arguments) {
   std::string_view rest = arguments;
-  const std::string_view class_word = take_word(rest);
+  const std::string_view class_word = next_word(rest);
   const auto error_class = ascii::parse_number<std::uint32_t>(class_word, 16);
-  const std::string_view time = take_word(rest);
+  const std::string_view time = next_word(rest);
   const bool is_error_frame = error_class && class_word.size() >= 3 && rest.empty() &&
                               time.find('.') != std::string_view::npos &&
                               time.find_first_not_of("0123456789.") == std::string_view::npos;

@@ -54,7 +54,7 @@ class SocketcandDialogue {
 
   /// Requests another bit rate of our controller, bit/s, in raw mode; the answer comes to the peer. The
   /// protocol has it, servers of other makes mostly do not [socketcand doc/protocol.md, "to be implemented"].
-  void ask_bit_rate(std::uint32_t bit_rate);
+  void request_bit_rate(std::uint32_t bit_rate);
 
   /// Bytes came from the server, cut anywhere.
   void receive(std::string_view bytes);

@@ -21,7 +21,7 @@ namespace {
 /// bus, and unsent frames of a disconnected client occupy the bus only shortly. Connections inherit both: the
 /// window they offer to the client, and the segment size, by which the client's side measures what it
 /// gathers. About 80 KiB instead of 4 MiB.
-void keep_little(tcp::acceptor& acceptor) {
+void set_small_buffer(tcp::acceptor& acceptor) {
   constexpr int window = 2 * 1024;
   constexpr int segment = 1400;
   error_code ignored;
@@ -64,7 +64,7 @@ SocketcandServer::~SocketcandServer() { close(); }
 
 std::expected<void, std::string> SocketcandServer::listen() {
   const error_code failure = shared_->clients.listen(
-      shared_->endpoint, keep_little,
+      shared_->endpoint, set_small_buffer,
       [shared = shared_](tcp::socket socket) { shared->admit(std::move(socket)); },
       "< error too many open files >");
   if (!failure) return {};

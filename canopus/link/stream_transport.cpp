@@ -30,7 +30,7 @@ void StreamTransport::connect() {
     error_code trouble;
     const int descriptor = self->connecting_.release(trouble);
     if (trouble) return self->failed(trouble.message());
-    self->take_stream(descriptor);
+    self->use_stream(descriptor);
   };
   resolver_.async_resolve(address_.host, std::to_string(address_.port),
                           [self = self(this), connected, generation = generation_](
@@ -41,7 +41,7 @@ void StreamTransport::connect() {
                           });
 }
 
-void StreamTransport::take_stream(int descriptor) {
+void StreamTransport::use_stream(int descriptor) {
   stream_ = std::make_unique<asio::posix::stream_descriptor>(io(), descriptor);
   read();
   stream_opened();

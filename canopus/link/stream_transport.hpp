@@ -34,10 +34,10 @@ class StreamTransport : public Transport {
   virtual void frames_written(std::span<const can::Frame> frames);
   /// Appends a frame's form. False: not yet (queue() keeps it).
   virtual bool append(std::string& out, const can::Frame& frame) = 0;
-  /// Over the host and port of the address, unless it is overridden: take_stream() or failed() follows.
+  /// Over the host and port of the address, unless it is overridden: use_stream() or failed() follows.
   void connect() override;
   /// An open, non-blocking descriptor, from now on ours.
-  void take_stream(int descriptor);
+  void use_stream(int descriptor);
   /// Bytes for the other side at the very end, as far as it takes them at once.
   void write_last(std::string_view bytes);
   [[nodiscard]] virtual std::string describe_failure(const boost::system::error_code& failure) const;

@@ -21,7 +21,7 @@ class SuspendAwareClock {
   }
   /// Counts on from here as if all before had been seen.
   void start(can::Duration real) noexcept { counted_ = seen_ = real; }
-  void look(can::Duration real) noexcept {
+  void advance(can::Duration real) noexcept {
     counted_ = at(real);
     seen_ = std::max(seen_, real);
   }

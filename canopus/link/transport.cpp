@@ -14,9 +14,10 @@ Transport::Transport(boost::asio::io_context& io, BusClientOptions options)
 
 void Transport::set_user(BusClientListener* user) {
   user_ = user;
-  if (user == nullptr || unheard_.empty()) return;
+  if (user == nullptr || undelivered_.empty()) return;
   boost::asio::post(io_, [self = shared_from_this()] {
-    if (self->user_ != nullptr && !self->unheard_.empty()) self->say(std::exchange(self->unheard_, {}));
+    if (self->user_ != nullptr && !self->undelivered_.empty())
+      self->deliver_complaint(std::exchange(self->undelivered_, {}));
   });
 }
 
@@ -50,7 +51,7 @@ void Transport::failed(std::string reason) {
   if (state_ == State::ended) return;
   const State before = state_;
   complaint_pause_.cancel();
-  if (const auto text = complaints_.finish(); text && before == State::open) say(*text);
+  if (const auto text = complaints_.finish(); text && before == State::open) deliver_complaint(*text);
   if (state_ == State::ended) return;
   disconnect();
   queue_.clear();
@@ -99,20 +100,21 @@ void Transport::report_later() {
   }
 }
 
-void Transport::say(std::string_view text) {
+void Transport::deliver_complaint(std::string_view text) {
   if (user_ != nullptr) {
     user_->bus_complains(text);
-  } else if (state_ != State::ended && unheard_.empty()) {
-    unheard_ = text;
+  } else if (state_ != State::ended && undelivered_.empty()) {
+    undelivered_ = text;
   }
 }
 
 void Transport::complain(std::string_view text) {
-  if (const auto said = complaints_.complain(text, Clock::now().time_since_epoch())) say(*said);
+  if (const auto complaint = complaints_.complain(text, Clock::now().time_since_epoch()))
+    deliver_complaint(*complaint);
   await_complaints();
 }
 
-void Transport::announce(std::string_view text) { say(printable_complaint(text)); }
+void Transport::announce(std::string_view text) { deliver_complaint(printable_complaint(text)); }
 
 void Transport::await_complaints() {
   const auto due = complaints_.deadline();
@@ -120,7 +122,8 @@ void Transport::await_complaints() {
   complaint_pause_.expires_at(Clock::time_point(*due));
   complaint_pause_.async_wait([self = shared_from_this()](const error_code& failure) {
     if (failure) return;
-    if (const auto said = self->complaints_.tick(Clock::now().time_since_epoch())) self->say(*said);
+    if (const auto complaint = self->complaints_.tick(Clock::now().time_since_epoch()))
+      self->deliver_complaint(*complaint);
     self->await_complaints();
   });
 }

@@ -108,7 +108,7 @@ class Transport : public std::enable_shared_from_this<Transport> {
 
  private:
   void report_later();
-  void say(std::string_view text);
+  void deliver_complaint(std::string_view text);
   void await_complaints();
 
   boost::asio::io_context& io_;
@@ -124,7 +124,7 @@ class Transport : public std::enable_shared_from_this<Transport> {
   ControllerStatus status_{};
   ComplaintLimiter complaints_;
   boost::asio::steady_timer complaint_pause_;
-  std::string unheard_;  // the first report before there was a user
+  std::string undelivered_;  // the first report before there was a user
 };
 
 /// Opens it; the error is a sentence without the address.

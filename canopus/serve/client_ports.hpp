@@ -77,13 +77,13 @@ class ClientPort final : public can::Participant, private can::BusObserver {
     const auto own = std::ranges::find(reports, &port_, &can::BusErrorReport::port);
     // Missing acknowledgements are reported once, as above.
     if (own == reports.end() || own->error == can::BusError::acknowledgement) return;
-    tell(can::error_frame(*own).identifier, now);
+    report_class(can::error_frame(*own).identifier, now);
   }
   void controller_changed(const can::ControllerReport& report, can::Time now) override {
-    if (client_ != nullptr && report.port == &port_) tell(can::error_frame(report).identifier, now);
+    if (client_ != nullptr && report.port == &port_) report_class(can::error_frame(report).identifier, now);
   }
   /// Not the same again and again, as long as no frame is completed.
-  void tell(std::uint32_t error_class, can::Time now) {
+  void report_class(std::uint32_t error_class, can::Time now) {
     if (std::exchange(last_class_, error_class) != error_class) client_->controller_error(error_class, now);
   }
 

@@ -15,7 +15,7 @@ double plant_seconds(can::Time time) {
   return static_cast<double>(time.time_since_epoch() / std::chrono::microseconds(1)) / 1e6;
 }
 
-Result<void> ControlFields::check(std::initializer_list<std::string_view> known) const {
+Result<void> ControlFields::check(std::span<const std::string_view> known) const {
   for (const auto& [key, value] : fields_.items()) {
     if (key == "request" || key == "id") continue;
     if (std::ranges::find(known, key) != known.end()) continue;

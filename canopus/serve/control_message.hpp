@@ -3,6 +3,7 @@
 
 #include <expected>
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -25,7 +26,10 @@ class ControlFields {
   explicit ControlFields(const Json& fields) : fields_(fields) {}
 
   /// An error for every field that is not of this request; `request` and `id` are of every one.
-  [[nodiscard]] Result<void> check(std::initializer_list<std::string_view> known) const;
+  [[nodiscard]] Result<void> check(std::span<const std::string_view> known) const;
+  [[nodiscard]] Result<void> check(std::initializer_list<std::string_view> known) const {
+    return check(std::span(known.begin(), known.size()));
+  }
   [[nodiscard]] bool has(std::string_view key) const { return fields_.contains(key); }
   /// nullptr when it is not there.
   [[nodiscard]] const Json* find(std::string_view key) const;

@@ -53,7 +53,7 @@ class ControlServer::Connection : public link::TcpClient<Connection> {
 
   /// While it waits for its answer it has a reason to be silent.
   [[nodiscard]] link::HeldPlace place() const noexcept {
-    return {.hold = state_ == State::waits ? link::Hold::firm : link::Hold::while_used, .used = heard_at_};
+    return {.hold = state_ == State::waits ? link::Hold::firm : link::Hold::while_used, .used = received_at_};
   }
 
   void close() noexcept {
@@ -85,7 +85,7 @@ class ControlServer::Connection : public link::TcpClient<Connection> {
       state_ = State::ends;  // a client that has closed its side may still read
       return;
     }
-    heard_at_ = WallClock::now();
+    received_at_ = WallClock::now();
     input_.append(buffer_.data(), count);
     if (state_ == State::reads) return work();
     if (state_ == State::waits) receive();
@@ -152,7 +152,7 @@ class ControlServer::Connection : public link::TcpClient<Connection> {
 
   Parts& parts_;
   tcp::socket socket_;
-  WallClock::time_point heard_at_ = WallClock::now();
+  WallClock::time_point received_at_ = WallClock::now();
   std::array<char, 1024> buffer_{};
   std::string input_;
   std::string output_;

@@ -15,6 +15,7 @@
 #include "canopus/plant/file/process_value.hpp"
 #include "canopus/plc/rack/rack.hpp"
 #include "canopus/serve/control_message.hpp"
+#include "canopus/serve/program_control.hpp"
 #include "canopus/text/nearest_word.hpp"
 
 namespace canopus::serve {
@@ -273,7 +274,9 @@ Result<Json> Request::carry_out() {
   if (*wanted == "set") return set();
   if (*wanted == "release") return release();
   if (*wanted == "modules") return modules();
-  static constexpr std::string_view known[] = {"list", "get", "set", "release", "modules", "run"};
+  if (is_program_request(*wanted)) return program_request(plant_, fields_, *wanted);
+  static constexpr std::string_view known[] = {"list",    "get", "set",      "release",
+                                               "modules", "run", "variables"};
   return std::unexpected(
       fmt::format("request: \"{}\" is unknown{}", *wanted, text::suggestion(*wanted, known)));
 }

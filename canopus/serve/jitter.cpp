@@ -38,7 +38,7 @@ constexpr can::Duration start_up = 2s;
 Histogram sleep_jitter(const JitterOptions& options, std::vector<std::string>& refused) {
   Histogram histogram;
   std::thread thread([&] {
-    if (options.real_time) refused = ask_for_real_time(*options.real_time);
+    if (options.real_time) refused = request_real_time(*options.real_time);
     timespec next{};
     ::clock_gettime(CLOCK_MONOTONIC, &next);
     const auto until = Clock::now() + options.length;
@@ -63,7 +63,7 @@ class Watcher final : private link::BusClientListener {
   Watcher(asio::io_context& io, link::BusClient& bus, nanoseconds period)
       : bus_(bus), period_(period), timer_(io) {
     bus_.set_user(this);
-    ask_later();
+    schedule_request();
   }
   ~Watcher() { bus_.set_user(nullptr); }
   Watcher(const Watcher&) = delete;
@@ -83,22 +83,22 @@ class Watcher final : private link::BusClientListener {
     } else if (frame.identifier == response && asked_at_) {
       responses.add(now - *asked_at_);
       asked_at_.reset();
-      ask_later();
+      schedule_request();
     }
   }
   void bus_lost(const std::string& reason) override { lost = reason; }
 
   /// At moments that have nothing to do with those of SYNC.
-  void ask_later() {
+  void schedule_request() {
     std::uniform_int_distribution<std::int64_t> part(period_.count() / 2, 2 * period_.count());
     timer_.expires_after(nanoseconds(part(random_)));
     timer_.async_wait([this](const boost::system::error_code& failure) {
       if (failure) return;
       // One without an answer within a second counts for nothing: the plant is not up yet, or the bus is full.
-      if (asked_at_ && Clock::now() - *asked_at_ < 1s) return ask_later();
+      if (asked_at_ && Clock::now() - *asked_at_ < 1s) return schedule_request();
       asked_at_ = Clock::now();
       if (!bus_.send(can::data_frame(0x601, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0}))) asked_at_.reset();
-      ask_later();
+      schedule_request();
     });
   }
 
@@ -178,11 +178,11 @@ std::expected<JitterResult, std::string> measure_jitter(const JitterOptions& opt
   auto work = asio::make_work_guard(far_io);
   std::thread other([&] {
     // The measuring thread must have no delay itself; but it must not run on the plant's processor.
-    if (options.real_time) (void)ask_for_real_time({.priority = options.real_time->priority});
+    if (options.real_time) (void)request_real_time({.priority = options.real_time->priority});
     far_io.run();
   });
   std::thread of_plant([&] {
-    if (options.real_time) (void)ask_for_real_time(*options.real_time);
+    if (options.real_time) (void)request_real_time(*options.real_time);
     RealTime clock(near_io, **plant, no_observer, can::Time{} + start_up + options.length);
     opener.bus->start(&clock, {});
     (*plant)->power_on();

@@ -69,6 +69,11 @@ class Pace {
     return now < attends_until_ ? due : std::max(due, can::later(now, together_at_speed_));
   }
 
+  /// Reading::elapsed when the plant has to run again: at the deadline `due`, or where it stops before that.
+  /// Duration::max(): it has stopped.
+  [[nodiscard]] can::Duration elapsed_to_wake(can::Time due, can::Time now) const noexcept {
+    return elapsed_at(now < until_ ? std::min(due, until_) : due);
+  }
   /// Reading::elapsed at this moment of plant time; Duration::max(): it does not come.
   [[nodiscard]] can::Duration elapsed_at(can::Time moment) const noexcept {
     const can::Duration clock = clock_at(moment);

@@ -16,7 +16,7 @@ plc::Rack* PlantRuns::rack(const Run& run) const {
 
 PlantRuns::Number PlantRuns::start(Goal goal, Done done) {
   Run& run = runs_.emplace_back();
-  alarm().add_part(run.look_at);
+  alarm().add_part(run.due);
   run.number = ++last_number_;
   run.goal = std::move(goal);
   run.done = std::move(done);
@@ -68,17 +68,17 @@ void PlantRuns::begin(Run& run, can::Time now) {
     if (run.goal.scans) run.end = of->scan().end_of(*run.goal.scans, now);
   }
   if (run.goal.duration) run.end = std::min(run.end, can::later(now, *run.goal.duration));
-  look(run, now);
+  evaluate(run, now);
 }
 
-void PlantRuns::look(Run& run, can::Time now) {
+void PlantRuns::evaluate(Run& run, can::Time now) {
   plc::Rack* const of = rack(run);
   can::Time next = run.end;
   if (run.goal.until && of != nullptr) {
     run.outcome.is_met = run.goal.until->holds(*of, now);
     next = std::min(run.end, of->scan().end_of(1, now));
   }
-  run.look_at = next;
+  run.due = next;
   if (run.outcome.is_met || now >= run.end) finish(run, now);
 }
 
@@ -88,13 +88,13 @@ void PlantRuns::finish(Run& run, can::Time now) {
     run.outcome.scans = ended - std::min(ended, run.scans_before);  // fewer after a new start of the CPU
   }
   run.is_over = true;
-  run.look_at = can::never;
+  run.due = can::never;
   over_();
 }
 
 void PlantRuns::tick(can::Time now) {
   for (Run& run : runs_) {
-    if (run.has_begun && !run.is_over && run.look_at <= now) look(run, now);
+    if (run.has_begun && !run.is_over && run.due <= now) evaluate(run, now);
   }
 }
 

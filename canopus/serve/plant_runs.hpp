@@ -64,7 +64,7 @@ class PlantRuns final : private can::Ticker {
     bool is_over = false;
     std::uint64_t scans_before = 0;
     can::Time end = can::never;
-    can::Alarm look_at{};
+    can::Alarm due{};
     Outcome outcome{};
   };
 
@@ -73,7 +73,7 @@ class PlantRuns final : private can::Ticker {
 
   void begin_next();
   void begin(Run& run, can::Time now);
-  void look(Run& run, can::Time now);
+  void evaluate(Run& run, can::Time now);
   void finish(Run& run, can::Time now);
   [[nodiscard]] plc::Rack* rack(const Run& run) const;
 

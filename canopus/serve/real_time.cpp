@@ -79,9 +79,9 @@ void RealTime::accessed() {
 Pace::Reading RealTime::read_clocks() {
   Pace::Reading reading;
   reading.elapsed = std::chrono::duration_cast<can::Duration>(WallClock::now() - started_);
-  if (reading.elapsed >= look_for_sleep_) {
+  if (reading.elapsed >= check_for_sleep_) {
     asleep_ = time_asleep() - asleep_before_;
-    look_for_sleep_ = reading.elapsed + 1s;
+    check_for_sleep_ = reading.elapsed + 1s;
   }
   reading.asleep = asleep_;
   if (was_continued.load(std::memory_order_relaxed)) {
@@ -95,9 +95,7 @@ Pace::Reading RealTime::read_clocks() {
 
 void RealTime::arm() {
   armed_for_ = std::min(pace_.wake_for(timeline_.next(), timeline_.now()), end_);
-  // A plant that pauses at `until` runs up to it.
-  const can::Duration elapsed =
-      pace_.elapsed_at(std::min(armed_for_, std::max(pace_.until(), timeline_.now())));
+  const can::Duration elapsed = pace_.elapsed_to_wake(armed_for_, timeline_.now());
   timer_.expires_at(elapsed == can::Duration::max() ? WallClock::time_point::max() : started_ + elapsed);
   timer_.async_wait([this](const boost::system::error_code& error) {
     if (!error) wake();

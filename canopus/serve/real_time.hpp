@@ -61,8 +61,8 @@ class RealTime final : public link::LoopClock {
   std::function<void()> resumed_;
   WallClock::time_point started_{};
   can::Duration asleep_before_{};
-  can::Duration asleep_{};          // since the start, as read last
-  can::Duration look_for_sleep_{};  // elapsed time from which on it is read again
+  can::Duration asleep_{};           // since the start, as read last
+  can::Duration check_for_sleep_{};  // elapsed time from which on it is read again
   can::Time armed_for_ = can::never;
   can::Time next_{};  // deadline of the plant when the present was asked for last
   can::Duration lag_{};

@@ -9,7 +9,7 @@
 
 namespace canopus::serve {
 
-std::vector<std::string> ask_for_real_time(const RealTimeThread& wanted) {
+std::vector<std::string> request_real_time(const RealTimeThread& wanted) {
   constexpr std::string_view rights =
       "run it as root, or give it the rights once: sudo setcap cap_sys_nice,cap_ipc_lock=ep $(which canopus)";
   std::vector<std::string> refused;

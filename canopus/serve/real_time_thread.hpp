@@ -16,6 +16,6 @@ struct RealTimeThread {
 
 /// Asks for SCHED_FIFO, memory that is not paged out, and a processor, for the calling thread (memory: the
 /// process). Refused requests are returned as sentences with the remedy; the thread continues without them.
-[[nodiscard]] std::vector<std::string> ask_for_real_time(const RealTimeThread& wanted);
+[[nodiscard]] std::vector<std::string> request_real_time(const RealTimeThread& wanted);
 
 }  // namespace canopus::serve

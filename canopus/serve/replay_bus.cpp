@@ -18,6 +18,9 @@ std::expected<std::unique_ptr<ReplayBus>, std::string> ReplayBus::open(const std
   do {
     bus->read_next();
   } while (!bus->next_ && bus->at_ != can::never);
+  const trace::LeftOut& left_out = bus->reader_->left_out();
+  if (!bus->next_ && bus->channel_.empty() && bus->mistakes_ == 0 && left_out.frames() != 0)
+    return std::unexpected(path + ": nothing of it was read; left out: " + left_out.text());
   if (!bus->next_ && !bus->mistake_.empty()) return std::unexpected(bus->mistake_);
   if (!bus->next_ && !bus->channel_.empty()) {
     std::string message = path + ": no frame of the channel \"" + bus->channel_ + "\"; expected one of";
@@ -84,6 +87,10 @@ void ReplayBus::read_next() {
       return;
     }
     if (!*record) {
+      const trace::LeftOut& left_out = reader_->left_out();
+      if (left_out.frames() != 0) mistake_ = "left out of the trace: " + left_out.text();
+      if (left_out.lost() != 0)
+        mistake_ = "the recorder of the trace lost " + std::to_string(left_out.lost()) + " frames";
       if (mistakes_ > 1) mistake_ = std::to_string(mistakes_) + " parts of the trace could not be read";
       mistakes_ = 0;
       return;

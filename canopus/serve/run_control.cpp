@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/serve/control_message.hpp"
 #include "canopus/serve/device_control.hpp"
@@ -71,7 +72,8 @@ Result<PlantRuns::Goal> goal_of(plant::Plant& plant, const ControlFields& fields
 
 Result<Json> result_of(const PlantRuns::Goal& goal, const PlantRuns::Outcome& outcome) {
   if (outcome.plant_ended) {
-    return std::unexpected(fmt::format("the run of the plant ended first, {} scans later", outcome.scans));
+    return std::unexpected(
+        fmt::format("the run of the plant ended first, {} later", ascii::counted(outcome.scans, "scan")));
   }
   Json result = Json::object();
   if (goal.plc) result["scans"] = outcome.scans;

@@ -73,7 +73,7 @@ class TcpServer::Connection : public link::TcpClient<Connection>, private plc::E
   }
 
   [[nodiscard]] link::HeldPlace place() const noexcept {
-    return {.hold = link::Hold::while_used, .used = heard_at_, .number = heard_number_};
+    return {.hold = link::Hold::while_used, .used = received_at_, .number = heard_number_};
   }
 
   void close() noexcept {
@@ -101,7 +101,7 @@ class TcpServer::Connection : public link::TcpClient<Connection>, private plc::E
     const std::size_t count = socket_.read_some(asio::buffer(space.data(), space.size()), error);
     if (error == asio::error::would_block) return receive();
     if (error) return end_input(error);
-    heard_at_ = CoarseClock::now();
+    received_at_ = CoarseClock::now();
     heard_number_ = ++parts_.heard;
     session_->received(count);
     work();
@@ -131,12 +131,17 @@ class TcpServer::Connection : public link::TcpClient<Connection>, private plc::E
   void work(bool progress = false) {
     do {
       if (!send()) return;
-      if (session_->over()) return end(("sent what is no request of the " + parts_.protocol).c_str());
+      if (session_->over()) return end(reason_of_end().c_str());
     } while (answer_complete(progress));
     if (is_closed()) return;  // the run ended on the way there
     watch_request(progress);
     if (input_ended_ && !is_waiting_) return end();
     receive();
+  }
+
+  [[nodiscard]] std::string reason_of_end() const {
+    const std::string_view refusal = session_->refusal();
+    return refusal.empty() ? "sent what is no request of the " + parts_.protocol : std::string(refusal);
   }
 
   /// Answers what is complete, unless that has to wait for the END of the scan. Whether there may be more to do.
@@ -213,7 +218,7 @@ class TcpServer::Connection : public link::TcpClient<Connection>, private plc::E
   Parts& parts_;
   tcp::socket socket_;
   std::uint64_t heard_number_;  // later is higher, and no two are equal
-  CoarseClock::time_point heard_at_ = CoarseClock::now();
+  CoarseClock::time_point received_at_ = CoarseClock::now();
   bool is_receiving_ = false;  // waits for bytes
   bool is_sending_ = false;    // waits for room to send
   bool is_waiting_ = false;    // for the END of the scan

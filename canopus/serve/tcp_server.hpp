@@ -18,6 +18,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <boost/asio/io_context.hpp>
@@ -41,6 +42,8 @@ class Conversation {
   [[nodiscard]] virtual std::span<const std::uint8_t> output() const = 0;
   virtual void sent(std::size_t count) = 0;
   [[nodiscard]] virtual bool over() const = 0;
+  /// Why it is over, in the words of a report; empty: what came is no request of the protocol.
+  [[nodiscard]] virtual std::string_view refusal() const { return {}; }
   [[nodiscard]] virtual bool half_request() const = 0;
 };
 
@@ -58,6 +61,10 @@ class ConversationOf final : public Conversation {
   [[nodiscard]] std::span<const std::uint8_t> output() const override { return session_.output(); }
   void sent(std::size_t count) override { session_.sent(count); }
   [[nodiscard]] bool over() const override { return session_.over(); }
+  [[nodiscard]] std::string_view refusal() const override {
+    if constexpr (requires { session_.refusal(); }) return session_.refusal();
+    return {};
+  }
   [[nodiscard]] bool half_request() const override { return session_.half_request(); }
 
  private:
@@ -69,7 +76,7 @@ using MakeConversation = std::function<std::unique_ptr<Conversation>(const link:
 
 struct TcpServerOptions {
   link::AllowList allowed{};  ///< clients that may connect
-  /// A CPU has 16 connections. A further client takes the place of the one that has asked nothing for the
+  /// A CPU has 16 connections. A further client takes the place of the one that has sent no request for the
   /// longest time; when that is shorter than `gives_way_after`, it is closed at once.
   std::size_t maximum_clients = 16;
   std::chrono::milliseconds gives_way_after{10000};

@@ -34,7 +34,7 @@ struct UdpServer::Parts : std::enable_shared_from_this<Parts>, plc::EndProcessin
   void wait();
   void receive();
   /// The next datagram is in memory. Empty: there is none.
-  [[nodiscard]] std::optional<std::size_t> take(udp::endpoint& from);
+  [[nodiscard]] std::optional<std::size_t> receive_request(udp::endpoint& from);
   [[nodiscard]] bool is_allowed(const udp::endpoint& from) const;
   bool answer(std::span<const std::uint8_t> request, const udp::endpoint& from, can::Time now);
   // plc::EndProcessing::Requests
@@ -66,7 +66,7 @@ void UdpServer::Parts::wait() {
 void UdpServer::Parts::receive() {
   for (std::size_t i = 0; i < options.turn; ++i) {
     udp::endpoint from;
-    const auto size = take(from);
+    const auto size = receive_request(from);
     if (!size) return;
     if (!is_allowed(from)) continue;
     const can::Time now = clock.now();
@@ -80,14 +80,14 @@ void UdpServer::Parts::receive() {
 void UdpServer::Parts::answer_requests(can::Time now) {
   for (std::size_t i = 0; i < options.turn_at_end; ++i) {
     udp::endpoint from;
-    const auto size = take(from);
+    const auto size = receive_request(from);
     if (!size) break;
     if (is_allowed(from)) (void)answer(std::span(memory).first(*size), from, now);
   }
   wait();
 }
 
-std::optional<std::size_t> UdpServer::Parts::take(udp::endpoint& from) {
+std::optional<std::size_t> UdpServer::Parts::receive_request(udp::endpoint& from) {
   constexpr int most_errors = 32;  // what became of earlier replies
   for (int errors = 0; errors < most_errors && socket.is_open(); ++errors) {
     error_code error;

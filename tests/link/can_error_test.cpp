@@ -13,7 +13,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-constexpr std::string_view alone = "nobody acknowledges: no other node on this bus";
+constexpr std::string_view alone = "no acknowledgement: no other node on this bus";
 
 TEST(CanError, MissingAcknowledgementIsSaidHoweverTheDriverReportsIt) {
   EXPECT_EQ(describe_error_frame(0x020, {}), alone) << "CAN_ERR_ACK";
@@ -24,7 +24,8 @@ TEST(CanError, MissingAcknowledgementIsSaidHoweverTheDriverReportsIt) {
 
 TEST(CanError, StateOfTheControllerIsSaid) {
   const std::array<std::uint8_t, 8> passive{0, 0x20, 0, 0, 0, 0, 128, 0};
-  EXPECT_THAT(describe_error_frame(0x004, passive), HasSubstr("error passive: nobody acknowledges"));
+  EXPECT_THAT(describe_error_frame(0x004, passive),
+              HasSubstr("error passive: its frames are not acknowledged"));
   EXPECT_THAT(describe_error_frame(0x040, {}), StartsWith("the controller of this machine is bus-off"));
 }
 

@@ -91,7 +91,7 @@ TEST(CannelloniRecords, WhatIsNoDatagram_IsNone) {
 TEST(CannelloniRecords, WhatIsNoFrame_IsWrong) {
   for (const Bytes& record : {Bytes{0, 0, 0x08, 0x00, 0}, Bytes{0, 0, 0, 1, 9}, Bytes{0, 0, 0, 1, 0xC1}}) {
     std::span<const std::uint8_t> rest(record);
-    const auto taken = take_cannelloni_record(rest);
+    const auto taken = next_cannelloni_record(rest);
     ASSERT_TRUE(taken);
     EXPECT_EQ(taken->kind, Kind::wrong);
   }
@@ -113,28 +113,28 @@ using Finding = CannelloniSequence::Finding;
 
 TEST(CannelloniSequence, LostDatagrams_AreCounted) {
   CannelloniSequence sequence;
-  EXPECT_EQ(sequence.take(254), Finding::in_order);
-  EXPECT_EQ(sequence.take(255), Finding::in_order);
-  EXPECT_EQ(sequence.take(0), Finding::in_order);
-  EXPECT_EQ(sequence.take(4), Finding::lost);
+  EXPECT_EQ(sequence.classify(254), Finding::in_order);
+  EXPECT_EQ(sequence.classify(255), Finding::in_order);
+  EXPECT_EQ(sequence.classify(0), Finding::in_order);
+  EXPECT_EQ(sequence.classify(4), Finding::lost);
   EXPECT_EQ(sequence.lost(), 3U);
-  EXPECT_EQ(sequence.take(5), Finding::in_order);
+  EXPECT_EQ(sequence.classify(5), Finding::in_order);
 }
 
 TEST(CannelloniSequence, OneThatCameLate_DoesNotMoveTheCount) {
   CannelloniSequence sequence;
-  sequence.take(7);
-  sequence.take(9);
-  EXPECT_EQ(sequence.take(8), Finding::another_order);
-  EXPECT_EQ(sequence.take(10), Finding::in_order);
+  sequence.classify(7);
+  sequence.classify(9);
+  EXPECT_EQ(sequence.classify(8), Finding::another_order);
+  EXPECT_EQ(sequence.classify(10), Finding::in_order);
 }
 
 TEST(CannelloniSequence, PeerThatWasStartedAnew_IsFollowedFromItsSecondDatagramOn) {
   CannelloniSequence sequence;
-  for (std::uint8_t i = 0; i < 100; ++i) sequence.take(i);
-  EXPECT_EQ(sequence.take(0), Finding::another_order);
-  EXPECT_EQ(sequence.take(1), Finding::started_anew);
-  for (std::uint8_t i = 2; i < 100; ++i) EXPECT_EQ(sequence.take(i), Finding::in_order) << int{i};
+  for (std::uint8_t i = 0; i < 100; ++i) sequence.classify(i);
+  EXPECT_EQ(sequence.classify(0), Finding::another_order);
+  EXPECT_EQ(sequence.classify(1), Finding::started_anew);
+  for (std::uint8_t i = 2; i < 100; ++i) EXPECT_EQ(sequence.classify(i), Finding::in_order) << int{i};
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ RC_GTEST_PROP(ComplaintLimiterProperty, AnyTimes_OneASecondAndEveryOneCounted,
   ComplaintLimiter::Time now = 0s;
   std::optional<ComplaintLimiter::Time> said_at;
   std::uint64_t counted = 0;
-  const auto take = [&](const std::optional<std::string>& text) {
+  const auto count = [&](const std::optional<std::string>& text) {
     if (!text) return;
     RC_ASSERT(!said_at || now - *said_at >= 1s);
     said_at = now;
@@ -87,14 +87,14 @@ RC_GTEST_PROP(ComplaintLimiterProperty, AnyTimes_OneASecondAndEveryOneCounted,
     const auto next = now + std::chrono::milliseconds(step % 1500);
     if (const auto due = limiter.deadline(); due && *due <= next) {
       now = *due;
-      take(limiter.tick(now));
+      count(limiter.tick(now));
     }
     now = next;
-    take(limiter.complain("x", now));
+    count(limiter.complain("x", now));
   }
   if (const auto due = limiter.deadline()) {
     now = *due;
-    take(limiter.tick(now));
+    count(limiter.tick(now));
   }
   RC_ASSERT(counted == steps.size());
 }

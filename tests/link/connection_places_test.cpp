@@ -73,7 +73,7 @@ TEST_F(ConnectionPlacesTest, TheWeakestHold_ThenTheEarliest_ThenTheLowestNumber)
                                  "m gives way to new: its connection is closed",
                                  "n gives way to new: its connection is closed",
                                  "w gives way to new: its connection is closed",
-                                 "u has asked nothing for 99 s: its connection gives way to new",
+                                 "u has sent no request for 99 s: its connection gives way to new",
                                  "new was refused: all 1 connections are in use"));
 }
 
@@ -89,12 +89,12 @@ TEST_F(ConnectionPlacesTest, AConnectionThatIsUsed_StaysForItsTime) {
 TEST_F(ConnectionPlacesTest, OfThoseThatAreMeantAlone) {
   add("a", Hold::none, 0s);
   add("b", Hold::none, 1s);
-  const auto say = [](const std::string&, const std::string&) {};
+  const auto report = [](const std::string&, const std::string&) {};
   const ConnectionPlaces places(64, 10s);
-  EXPECT_TRUE(
-      places.give_way(clients_, "new", Moment(2s), say, [](const Client& one) { return one.name() == "b"; }));
+  EXPECT_TRUE(places.give_way(clients_, "new", Moment(2s), report,
+                              [](const Client& one) { return one.name() == "b"; }));
   EXPECT_EQ(names(), "a");
-  EXPECT_FALSE(places.give_way(clients_, "new", Moment(2s), say, [](const Client&) { return false; }));
+  EXPECT_FALSE(places.give_way(clients_, "new", Moment(2s), report, [](const Client&) { return false; }));
 }
 
 }  // namespace

@@ -48,7 +48,9 @@ class LinkedBusStamps : public testing::Test {
     bus->add_observer(*stamps);
     timeline.run_until(can::Time(50s));
   }
-  void hear(std::optional<std::chrono::nanoseconds> stamp) { kernel->user->frame_received_at(frame, stamp); }
+  void receive_at(std::optional<std::chrono::nanoseconds> stamp) {
+    kernel->user->frame_received_at(frame, stamp);
+  }
 
   static constexpr std::chrono::nanoseconds wall = 1'700'000'000s;
   const can::Frame frame = can::data_frame(0x181, {1});
@@ -59,13 +61,13 @@ class LinkedBusStamps : public testing::Test {
 };
 
 TEST_F(LinkedBusStamps, AFrameIsAsOldAsItsStamp) {
-  hear(wall - 3ms);
-  hear(wall - 1ms);
+  receive_at(wall - 3ms);
+  receive_at(wall - 1ms);
   EXPECT_THAT(stamps->seen, ElementsAre(50s - 3ms, 50s - 1ms));
 }
 
 TEST_F(LinkedBusStamps, WithoutOneItIsNow) {
-  hear(std::nullopt);
+  receive_at(std::nullopt);
   EXPECT_THAT(stamps->seen, ElementsAre(50s));
 }
 
@@ -83,15 +85,15 @@ TEST_F(LinkedBusStamps, AnOwnFrameHasThatOfItsEcho) {
 }
 
 TEST_F(LinkedBusStamps, TheyNeverGoBack) {
-  hear(wall - 1ms);
-  hear(wall - 3ms);
+  receive_at(wall - 1ms);
+  receive_at(wall - 3ms);
   EXPECT_THAT(stamps->seen, ElementsAre(50s - 1ms, 50s - 1ms));
 }
 
 TEST_F(LinkedBusStamps, ThoseOfAnotherClock_AreNotTaken) {
-  hear(wall + 1ms);
-  hear(wall - 11s);
-  hear(5s);  // of a controller that counts from its start
+  receive_at(wall + 1ms);
+  receive_at(wall - 11s);
+  receive_at(5s);  // of a controller that counts from its start
   EXPECT_THAT(stamps->seen, ElementsAre(50s, 50s, 50s));
 }
 

@@ -37,7 +37,7 @@ class Transport final : public BusClient {
     if (bit_rate != 0) controller.bit_rate = bit_rate;
     return {};
   }
-  void tell(const ControllerStatus& status) {
+  void report(const ControllerStatus& status) {
     controller = status;
     user->controller_changed(status);
   }
@@ -279,11 +279,11 @@ TEST_F(LinkedBusTest, Acceptance_LeavesOut) {
 }
 
 TEST_F(LinkedBusTest, CountersOfTheHardware_AreThoseOfEveryNode) {
-  transport->tell({.state = ErrorState::error_passive,
-                   .transmit_errors = 128,
-                   .receive_errors = 3,
-                   .bit_rate = 250'000,
-                   .counters_known = true});
+  transport->report({.state = ErrorState::error_passive,
+                     .transmit_errors = 128,
+                     .receive_errors = 3,
+                     .bit_rate = 250'000,
+                     .counters_known = true});
   for (Node* node : {&*one, &*two}) {
     EXPECT_EQ(node->port.transmit_error_counter(), 128);
     EXPECT_EQ(node->port.receive_error_counter(), 3);
@@ -335,14 +335,14 @@ TEST_F(LinkedBusTest, TransportWithoutBitRate_TakesAny) {
 TEST_F(LinkedBusTest, BusOff_RecoversByItselfWhenANodeWantsThat) {
   ASSERT_TRUE(one->port.send(high));
   pass(0ms);
-  transport->tell({.state = ErrorState::bus_off, .bit_rate = 250'000});
+  transport->report({.state = ErrorState::bus_off, .bit_rate = 250'000});
   EXPECT_THAT(said, ElementsAre("the controller is bus-off"));
   EXPECT_EQ(one->port.counters().bus_offs, 1U);
   pass(5ms);
   EXPECT_THAT(transport->restarts, IsEmpty()) << "128 times 11 bits are 5.632 ms";
   pass(1ms);
   EXPECT_THAT(transport->restarts, ElementsAre(0U));
-  transport->tell({.state = ErrorState::error_active, .bit_rate = 250'000});
+  transport->report({.state = ErrorState::error_active, .bit_rate = 250'000});
   pass(0ms);
   EXPECT_THAT(one->done, IsEmpty()) << "the hardware dropped what it had";
   EXPECT_TRUE(one->port.send(low));
@@ -353,8 +353,8 @@ TEST_F(LinkedBusTest, BusOff_RecoversByItselfWhenANodeWantsThat) {
 TEST_F(LinkedBusTest, FramesThatBusOffTook_KeepNoPlaces) {
   for (int i = 0; i < 4; ++i) ASSERT_TRUE(one->port.send(high));
   pass(0ms);
-  transport->tell({.state = ErrorState::bus_off, .bit_rate = 250'000});
-  transport->tell({.state = ErrorState::error_active, .bit_rate = 250'000});
+  transport->report({.state = ErrorState::bus_off, .bit_rate = 250'000});
+  transport->report({.state = ErrorState::error_active, .bit_rate = 250'000});
   ASSERT_TRUE(two->port.send(low));
   pass(0ms);
   EXPECT_EQ(transport->sent.back(), low);
@@ -363,7 +363,7 @@ TEST_F(LinkedBusTest, FramesThatBusOffTook_KeepNoPlaces) {
 TEST_F(LinkedBusTest, AutomaticRecoveryThatIsChosenInBusOff_StartsAtOnce) {
   one->port.set_automatic_recovery(false);
   two->port.set_automatic_recovery(false);
-  transport->tell({.state = ErrorState::bus_off, .bit_rate = 250'000});
+  transport->report({.state = ErrorState::bus_off, .bit_rate = 250'000});
   pass(1s);
   one->port.set_automatic_recovery(true);
   EXPECT_THAT(transport->restarts, ElementsAre(0U));
@@ -406,7 +406,7 @@ TEST_F(LinkedBusTest, Load_IsThatOfTheHardwaresBitRate) {
   bus->add_observer(slow);
   clock.wall += 10ms;
   transport->user->frame_received(high);
-  transport->tell({.bit_rate = 500'000});
+  transport->report({.bit_rate = 500'000});
   clock.wall += 10ms;
   const can::Duration before = slow.length;
   transport->user->frame_received(high);
@@ -417,7 +417,7 @@ TEST_F(LinkedBusTest, Load_IsThatOfTheHardwaresBitRate) {
 TEST_F(LinkedBusTest, BusOff_StaysUntilAskedWithoutAutomaticRecovery) {
   one->port.set_automatic_recovery(false);
   two->port.set_automatic_recovery(false);
-  transport->tell({.state = ErrorState::bus_off, .bit_rate = 250'000});
+  transport->report({.state = ErrorState::bus_off, .bit_rate = 250'000});
   pass(1s);
   EXPECT_THAT(transport->restarts, IsEmpty());
   one->port.recover();
@@ -445,7 +445,7 @@ TEST_F(LinkedBusTest, LostBus_IsSaidAndTakesNothingMore) {
   ASSERT_TRUE(one->port.send(high));
   pass(10ms);
   EXPECT_THAT(transport->sent, IsEmpty());
-  EXPECT_THAT(said, ElementsAre("gone; nothing is heard and sent any more"));
+  EXPECT_THAT(said, ElementsAre("gone; no frames are received or sent any more"));
   EXPECT_FALSE(bus->is_there());
 }
 

@@ -124,7 +124,7 @@ class SocketcandServerTest : public testing::Test {
       bus.run_one();
     }
   }
-  /// A bus where nobody acknowledges, until the condition holds.
+  /// A bus where no node acknowledges, until the condition holds.
   void run_dead_bus_until(const std::function<bool()>& condition) {
     while (!condition()) {
       while (io.poll() > 0) {

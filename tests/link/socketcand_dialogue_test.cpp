@@ -56,7 +56,7 @@ TEST_F(SocketcandDialogueTest, Echo_IsTold) {
 
 TEST_F(SocketcandDialogueTest, BitRate_IsAskedByTheNameOfTheBus_AndItsAnswerIsTold) {
   join();
-  dialogue.ask_bit_rate(500'000);
+  dialogue.request_bit_rate(500'000);
   EXPECT_THAT(ends.messages, ElementsAre("< line1 B 500000 >"));
   dialogue.receive("< frame 123 1.0 01 >< error 020 1.0 >");  // no answers
   EXPECT_EQ(ends.changes, 0U);
@@ -67,10 +67,10 @@ TEST_F(SocketcandDialogueTest, BitRate_IsAskedByTheNameOfTheBus_AndItsAnswerIsTo
 
 TEST_F(SocketcandDialogueTest, RefusedBitRate_IsTold_AlsoByServersThatDoNotKnowIt) {
   join();
-  dialogue.ask_bit_rate(500'000);
+  dialogue.request_bit_rate(500'000);
   dialogue.receive(
       "< error lost 7 frames, read faster >< error B: the bit rate of this bus is not set from here >");
-  dialogue.ask_bit_rate(500'000);
+  dialogue.request_bit_rate(500'000);
   dialogue.receive("< error unknown command >");
   EXPECT_THAT(ends.refusals,
               ElementsAre("B: the bit rate of this bus is not set from here", "unknown command"));
@@ -80,7 +80,7 @@ TEST_F(SocketcandDialogueTest, RefusedBitRate_IsTold_AlsoByServersThatDoNotKnowI
 TEST(SocketcandDialogue, BitRate_OfTheOnlyBusOfAServer_NeedsNoName) {
   Ends ends;
   SocketcandDialogue dialogue("", ends);
-  dialogue.ask_bit_rate(10'000);
+  dialogue.request_bit_rate(10'000);
   EXPECT_THAT(ends.messages, ElementsAre("< B 10000 >"));
 }
 
@@ -208,7 +208,7 @@ TEST_F(SocketcandDialogueTest, ErrorOfTheServer_IsPassedOnAndFramesGoOn) {
 TEST_F(SocketcandDialogueTest, ErrorFrame_IsSaidInWordsOnceUntilAFrameComes) {
   join();
   dialogue.receive("< error 020 1.000345 >< error 020 1.100345 >");
-  EXPECT_THAT(ends.complaints, ElementsAre("nobody acknowledges: no other node on this bus"));
+  EXPECT_THAT(ends.complaints, ElementsAre("no acknowledgement: no other node on this bus"));
   dialogue.receive("< frame 080 2.0  >< error 020 3.0 >< error 100 3.5 >");
   EXPECT_EQ(ends.complaints.size(), 2U);
   EXPECT_EQ(ends.complaints.back(), ends.complaints.front());

@@ -39,6 +39,32 @@ TEST_F(SocketcandServerTest, RemoteFramesOfTheBus_AreNotPassedOn) {
   EXPECT_THAT(client->received, ElementsAre("< frame 705 0.020000 05 >"));
 }
 
+TEST_F(SocketcandServerTest, SubscribedFrames_ReachTheClient_OthersDoNot) {
+  const auto client = connect();
+  client->send("< open line1 >< subscribe 0 0 581 >< echo >");
+  until([&] { return client->all() == "< hi >< ok >< echo >"; });
+  bus.time = can::Time(12s + 345us);
+  bus.inject(can::data_frame(0x582, {1}));
+  bus.inject(can::data_frame(0x581, {0x43, 0x18}));
+  until([&] { return client->all().ends_with("43 18 >"); });
+  EXPECT_EQ(client->all(), "< hi >< ok >< echo >< frame 581 12.000345 43 18 >");
+}
+
+TEST_F(SocketcandServerTest, JobsOfAClient_EndWithItsConnection) {
+  const auto client = connect();
+  client->send("< open line1 >< add 0 20000 123 1 42 >< echo >");
+  until([&] { return client->all().ends_with("< echo >"); });
+  bus.run();
+  bus.advance(20ms);
+  bus.run();
+  EXPECT_THAT(bus.delivered, ElementsAre(can::data_frame(0x123, {0x42}), can::data_frame(0x123, {0x42})));
+  client->reset();
+  until([&] { return bus.participants() == 0; });
+  bus.advance(1s);
+  bus.run();
+  EXPECT_EQ(bus.delivered.size(), 2U);
+}
+
 TEST_F(SocketcandServerTest, FramesBeforeRawmode_AreNotForTheClient) {
   const auto client = connect();
   client->send("< open line1 >");

@@ -28,11 +28,18 @@ struct Ends : can::Sink, SocketcandSession::Peer {
     return true;
   }
   void message(std::string_view text) override { messages.emplace_back(text); }
+  void filtered_frame(const Frame& frame, Time when) override {
+    std::array<char, socketcand_max_message> text{};
+    const std::size_t size = write_socketcand_frame(text, frame, when, SocketcandData::apart);
+    messages.emplace_back(text.data(), size);
+  }
+  Time now() const override { return time; }
   bool restart(std::uint32_t bit_rate) override {
     bit_rates.push_back(bit_rate);
     return own_bit_rate;
   }
 
+  Time time{};
   std::vector<std::uint32_t> bit_rates;
   bool own_bit_rate = true;
   std::size_t room = 1000;
@@ -165,7 +172,7 @@ TEST_F(SocketcandSessionTest, SendBeforeOpen_ReachesNoBus) {
 
 TEST_F(SocketcandSessionTest, UnknownCommand_IsAnErrorAndTheSessionGoesOn) {
   open_raw();
-  session.receive("< subscribe 0 0 123 >< echo >");
+  session.receive("< publish 0 0 123 >< echo >");
   EXPECT_THAT(ends.messages, ElementsAre("< error unknown command >", "< echo >"));
 }
 
@@ -228,6 +235,155 @@ INSTANTIATE_TEST_SUITE_P(
         WrongSend{"< send 1 2 1 >", "< error send: expected as many bytes as the length says, 0 to FF >"},
         WrongSend{"< send 1 1 100 >", "< error send: expected as many bytes as the length says, 0 to FF >"},
         WrongSend{"< send 1 1 1 2 >", "< error send: expected no more bytes than the length says >"}));
+
+class SocketcandBcmTest : public SocketcandSessionTest {
+ protected:
+  SocketcandBcmTest() {
+    session.receive("< open line1 >");
+    ends.messages.clear();
+  }
+  void hear(std::initializer_list<std::uint8_t> bytes) {
+    session.filter(can::data_frame(0x123, bytes), Time(23s + 424242us));
+  }
+};
+
+TEST_F(SocketcandBcmTest, Subscribe_PassesFramesWithBlanksBetweenTheirBytes) {
+  session.receive("< subscribe 0 0 123 >");
+  EXPECT_THAT(ends.messages, IsEmpty()) << "the protocol has no answer";
+  hear({0x11, 0x22, 0x33, 0x44});
+  hear({});
+  EXPECT_THAT(ends.messages, ElementsAre("< frame 123 23.424242 11 22 33 44 >", "< frame 123 23.424242  >"));
+  session.receive("< unsubscribe 123 >");
+  hear({0x11});
+  EXPECT_EQ(ends.messages.size(), 2U);
+}
+
+TEST_F(SocketcandBcmTest, SubscribeOfEightDigits_IsOfAnExtendedIdentifier) {
+  session.receive("< subscribe 0 0 00000123 >");
+  hear({1});
+  Frame frame = can::data_frame(0x123, {1});
+  frame.extended = true;
+  session.filter(frame, Time(1s));
+  EXPECT_THAT(ends.messages, ElementsAre("< frame 00000123 1.000000 01 >"));
+}
+
+TEST_F(SocketcandBcmTest, Filter_PassesChangesAndThrottlesThem) {
+  session.receive("< filter 1 500000 123 1 FF >");
+  session.filter(can::data_frame(0x123, {1, 1}), Time(1s));
+  session.filter(can::data_frame(0x123, {1, 2}), Time(2s));
+  session.filter(can::data_frame(0x123, {2, 2}), Time(2s));
+  EXPECT_THAT(ends.messages, ElementsAre("< frame 123 1.000000 01 01 >"));
+  EXPECT_EQ(session.alarm(), Time(2500ms));
+  session.tick(Time(2500ms));
+  EXPECT_EQ(ends.messages.back(), "< frame 123 2.000000 02 02 >");
+}
+
+TEST_F(SocketcandBcmTest, Muxfilter_PassesTheNumbersThatItHas) {
+  session.receive("< muxfilter 0 0 123 2 FF 00 00 00 00 00 00 00 33 FF FF FF FF FF FF FF >");
+  hear({0x33, 1});
+  hear({0x33, 1});
+  hear({0x44, 1});
+  EXPECT_THAT(ends.messages, ElementsAre("< frame 123 23.424242 33 01 >"));
+}
+
+TEST_F(SocketcandBcmTest, MuxfilterOf257Contents_IsTheLongestElement) {
+  std::string command = "< muxfilter 0 0 123 257";
+  for (int i = 0; i < 257; ++i) command += " FF FF FF FF FF FF FF FF";
+  session.receive(command + " >");
+  EXPECT_THAT(ends.messages, IsEmpty());
+  session.receive("< muxfilter " + std::string(socketcand_max_muxfilter, '0'));
+  EXPECT_EQ(session.state(), State::closed);
+}
+
+TEST_F(SocketcandBcmTest, Add_SendsInAPeriod_UpdateAndDeleteChangeIt) {
+  session.receive("< add 0 20000 123 4 42 42 42 42 >");
+  EXPECT_THAT(ends.frames, ElementsAre(can::data_frame(0x123, {0x42, 0x42, 0x42, 0x42})));
+  EXPECT_EQ(session.alarm(), Time(20ms));
+  session.receive("< update 123 3 11 22 33 >");
+  session.tick(Time(20ms));
+  EXPECT_EQ(ends.frames.back(), can::data_frame(0x123, {0x11, 0x22, 0x33}));
+  session.receive("< delete 123 >");
+  EXPECT_EQ(session.alarm(), can::never);
+  EXPECT_THAT(ends.messages, IsEmpty());
+}
+
+TEST_F(SocketcandBcmTest, Rawmode_EndsJobsAndFilters) {
+  session.receive("< add 1 0 123 0 >< subscribe 0 0 123 >< rawmode >< bcmmode >");
+  EXPECT_EQ(session.alarm(), can::never);
+  ends.messages.clear();
+  hear({1});
+  EXPECT_THAT(ends.messages, IsEmpty());
+}
+
+TEST_F(SocketcandBcmTest, InRawmode_JobsAndFiltersAreErrors) {
+  session.receive("< rawmode >");
+  ends.messages.clear();
+  session.receive("< subscribe 0 0 123 >< add 1 0 123 0 >");
+  EXPECT_THAT(ends.messages, ElementsAre("< error subscribe: expected in bcmmode, not in rawmode >",
+                                         "< error add: expected in bcmmode, not in rawmode >"));
+  EXPECT_THAT(ends.frames, IsEmpty());
+}
+
+TEST_F(SocketcandBcmTest, ClientThatIsGone_HasNoJobs) {
+  session.receive("< add 1 0 123 0 >");
+  session.drop();
+  EXPECT_EQ(session.alarm(), can::never);
+}
+
+TEST_F(SocketcandBcmTest, OtherModes_AreRefusedInASentence) {
+  session.receive("< isotpmode >< isotpconf 1 2 0 0 0 >< controlmode >< statistics 1000 >< list >");
+  EXPECT_THAT(ends.messages,
+              ElementsAre("< error isotpmode: ISO-TP is not offered here, frames alone >",
+                          "< error isotpconf: ISO-TP is not offered here, frames alone >",
+                          "< error controlmode: statistics are not offered here >",
+                          "< error statistics: statistics are not offered here >",
+                          "< error list: no command of the protocol; the only bus here is line1 >"));
+  EXPECT_EQ(session.state(), State::quiet);
+}
+
+TEST_F(SocketcandSessionTest, ListBeforeOpen_NamesTheBus) {
+  session.receive("< list >");
+  EXPECT_THAT(ends.messages,
+              ElementsAre("< error list: no command of the protocol; the only bus here is line1 >"));
+  EXPECT_EQ(session.state(), State::no_bus);
+}
+
+class SocketcandWrongBcm : public SocketcandBcmTest, public testing::WithParamInterface<WrongSend> {};
+
+TEST_P(SocketcandWrongBcm, IsAnErrorThatNamesTheFieldAndChangesNothing) {
+  session.receive(GetParam().command);
+  EXPECT_THAT(ends.messages, ElementsAre(GetParam().error));
+  EXPECT_THAT(ends.frames, IsEmpty());
+  EXPECT_EQ(session.alarm(), can::never);
+  ends.messages.clear();
+  hear({1});
+  EXPECT_THAT(ends.messages, IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Fields, SocketcandWrongBcm,
+    testing::Values(
+        WrongSend{"< subscribe 123 >", "< error subscribe: expected seconds and microseconds >"},
+        WrongSend{"< subscribe 0 x 123 >", "< error subscribe: expected seconds and microseconds >"},
+        WrongSend{"< subscribe 2000000000 0 123 >", "< error subscribe: expected seconds and microseconds >"},
+        WrongSend{"< subscribe 0 0 >",
+                  "< error subscribe: expected an identifier of 1 to 8 hexadecimal digits >"},
+        WrongSend{"< subscribe 0 0 123 1 >", "< error subscribe: expected fewer words >"},
+        WrongSend{"< unsubscribe 123 >", "< error unsubscribe: this identifier has no filter >"},
+        WrongSend{"< filter 0 0 123 9 >", "< error filter: expected a length of 0 to 8 >"},
+        WrongSend{"< filter 0 0 123 2 FF >",
+                  "< error filter: expected as many bytes as the length says, 0 to FF >"},
+        WrongSend{"< filter 0 0 123 1 FF FF >", "< error filter: expected fewer words >"},
+        WrongSend{"< muxfilter 0 0 123 1 FF >", "< error muxfilter: expected 2 to 257 contents of 8 bytes >"},
+        WrongSend{"< muxfilter 0 0 123 258 FF >",
+                  "< error muxfilter: expected 2 to 257 contents of 8 bytes >"},
+        WrongSend{"< muxfilter 0 0 123 2 FF 0 0 0 0 0 0 0 33 >",
+                  "< error muxfilter: expected 8 bytes for each content, 0 to FF >"},
+        WrongSend{"< add 1 0 123 1 >", "< error add: expected as many bytes as the length says, 0 to FF >"},
+        WrongSend{"< add 1 123 0 >", "< error add: expected a length of 0 to 8 >"},
+        WrongSend{"< update 123 1 11 >", "< error update: no frame of this identifier is sent >"},
+        WrongSend{"< delete 123 >", "< error delete: no frame of this identifier is sent >"},
+        WrongSend{"< delete 123 0 >", "< error delete: expected nothing behind the identifier >"}));
 
 TEST_F(SocketcandSessionTest, GarbageBetweenElements_IsAnErrorAndTheEnd) {
   open_raw();
@@ -352,8 +508,14 @@ RC_GTEST_PROP(SocketcandSessionProperties, AnyBytes_GiveWellFormedAnswersOnly, (
   SocketcandSession session("line1", ends, ends);
   session.receive("< open line1 >");
   const auto words = *rc::gen::container<std::vector<std::string>>(
-      rc::gen::element<std::string>("<", ">", " ", "send", "echo", "0", "8", "7FF", "\xFF", "\n"));
-  for (const std::string& word : words) session.receive(word);
+      rc::gen::element<std::string>("<", ">", " ", "send", "echo", "0", "8", "7FF", "\xFF", "\n", "add",
+                                    "subscribe", "filter", "muxfilter", "update", "delete", "list"));
+  for (const std::string& word : words) {
+    session.receive(word);
+    session.filter(can::data_frame(0x7FF, {1}), ends.time);
+    ends.time += 1ms;
+    session.tick(ends.time);
+  }
   for (const std::string& message : ends.messages) {
     RC_ASSERT(message.size() <= socketcand_max_message);
     RC_ASSERT(message.starts_with("< "));

@@ -13,7 +13,7 @@ TEST(SuspendAwareClock, LookedAtOftenIsTheRealClock) {
   SuspendAwareClock clock;
   clock.start(5s);
   for (can::Duration real = 5s; real <= 6s; real += 10ms) {
-    clock.look(real);
+    clock.advance(real);
     EXPECT_EQ(clock.at(real), real);
     EXPECT_EQ(clock.at(real + 9ms), real + 9ms);
   }
@@ -22,11 +22,11 @@ TEST(SuspendAwareClock, LookedAtOftenIsTheRealClock) {
 TEST(SuspendAwareClock, CountsLittleOfALongStandstill) {
   SuspendAwareClock clock;
   clock.start(0s);
-  clock.look(10ms);
+  clock.advance(10ms);
   EXPECT_EQ(clock.at(10s), 10ms + SuspendAwareClock::most);
-  clock.look(10s);
+  clock.advance(10s);
   EXPECT_EQ(clock.at(10s), 10ms + SuspendAwareClock::most);
-  clock.look(10s + 10ms);
+  clock.advance(10s + 10ms);
   EXPECT_EQ(clock.at(10s + 15ms), 25ms + SuspendAwareClock::most);
 }
 
@@ -41,7 +41,7 @@ RC_GTEST_PROP(SuspendAwareClock, NeverGoesBackAndNeverAhead, ()) {
     const can::Duration now = clock.at(real);
     RC_ASSERT(now >= counted);
     RC_ASSERT(now <= real);
-    clock.look(real);
+    clock.advance(real);
     RC_ASSERT(clock.at(real) == now);
     counted = now;
   }

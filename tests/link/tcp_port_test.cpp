@@ -117,8 +117,8 @@ TEST_F(TcpPortTest, WithoutAFileDescriptor_AClientIsTakenToBeRefused_AndLaterOne
   std::vector<int> all;  // every descriptor that is left
   const rlimit few{.rlim_cur = 64, .rlim_max = limit.rlim_max};
   ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
-  const auto take = [] { return ::open("/dev/null", O_RDONLY | O_CLOEXEC); };
-  for (int file = take(); file >= 0; file = take()) all.push_back(file);
+  const auto reserve = [] { return ::open("/dev/null", O_RDONLY | O_CLOEXEC); };
+  for (int file = reserve(); file >= 0; file = reserve()) all.push_back(file);
   connect(refused_client);
   run_until([&] { return refused == 1; });
   EXPECT_TRUE(admitted.empty());

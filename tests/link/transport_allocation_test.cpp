@@ -101,18 +101,18 @@ class Peer {
     if (case_.is_stream && connection_ < 0) {
       connection_ = ::accept4(listening_, nullptr, nullptr, SOCK_NONBLOCK);
       if (connection_ < 0) return;
-      say(case_.answer(""));
+      write(case_.answer(""));
     }
     std::array<char, 4096> input;
     socklen_t size = sizeof from_;
     const ssize_t heard = case_.is_stream ? ::recv(connection_, input.data(), input.size(), MSG_DONTWAIT)
                                           : ::recvfrom(listening_, input.data(), input.size(), MSG_DONTWAIT,
                                                        reinterpret_cast<sockaddr*>(&from_), &size);
-    if (heard > 0) say(case_.answer({input.data(), static_cast<std::size_t>(heard)}));
+    if (heard > 0) write(case_.answer({input.data(), static_cast<std::size_t>(heard)}));
   }
 
  private:
-  void say(std::string_view text) {
+  void write(std::string_view text) {
     if (text.empty()) return;
     if (case_.is_stream) {
       EXPECT_EQ(::send(connection_, text.data(), text.size(), MSG_NOSIGNAL),

@@ -56,7 +56,7 @@ class Server {
     accept();
   }
   [[nodiscard]] std::uint16_t port() const { return acceptor_.local_endpoint().port(); }
-  void say(const std::string& text) { asio::write(socket_, asio::buffer(text)); }
+  void write(const std::string& text) { asio::write(socket_, asio::buffer(text)); }
   void hang_up() { socket_.close(); }
   std::string heard;
 
@@ -76,7 +76,7 @@ class Server {
                               const std::string text(input_.data(), size);
                               heard += text;
                               if (const std::string answer = answer_(*this, text); !answer.empty())
-                                say(answer);
+                                write(answer);
                               read();
                             });
   }
@@ -175,7 +175,7 @@ TEST_F(SlcanTest, FramesGoAndCome_ConfirmedInTheirOrder) {
   EXPECT_EQ(ear.sent[19], can::data_frame(0x181, {19}));
   EXPECT_EQ(ear.sent[20], extended);
   EXPECT_THAT(server.heard, HasSubstr("t181100\rt181101\r"));
-  server.say("T1FFFFFFF107\rr7051\r");
+  server.write("T1FFFFFFF107\rr7051\r");
   until([&] { return ear.frames.size() == 2; });
   EXPECT_THAT(ear.frames, ElementsAre(extended, can::remote_frame(0x705, 1)));
 }
@@ -273,7 +273,7 @@ TEST_F(SlcanTest, AdapterThatFallsSilent_IsSaidOnce) {
 TEST_F(SlcanTest, LineWithoutAnEnd_IsNoAdapter) {
   Server server(io, Adapter{});
   open(address_of(server));
-  server.say(std::string(5000, 't'));
+  server.write(std::string(5000, 't'));
   until([&] { return !ear.lost.empty(); });
   EXPECT_THAT(ear.lost, ElementsAre("this is no slcan adapter: what it says has no end of a line"));
 }
@@ -283,7 +283,7 @@ TEST_F(SlcanTest, FloodOfLinesWithoutSense_IsSaidOnceAndSurvived) {
   open(address_of(server));
   std::string garbage;
   for (int i = 0; i < 5000; ++i) garbage += "what \x1b[31m is this\r";
-  server.say(garbage + "t1811FF\r");
+  server.write(garbage + "t1811FF\r");
   until([&] { return !ear.frames.empty(); });
   EXPECT_TRUE(client->send(can::data_frame(0x123, {1})));
   until([&] { return !ear.sent.empty(); });
@@ -296,7 +296,7 @@ TEST_F(SlcanTest, FloodOfLinesWithoutSense_IsSaidOnceAndSurvived) {
 TEST_F(SlcanTest, VersionNobodyAskedFor_IsNoReasonToComplain) {
   Server server(io, Adapter{});
   open(address_of(server));
-  server.say("V1013\rN1234\rt1811FF\r");
+  server.write("V1013\rN1234\rt1811FF\r");
   until([&] { return !ear.frames.empty(); });
   EXPECT_THAT(ear.complaints, IsEmpty());
 }
@@ -340,9 +340,9 @@ TEST_F(CannelloniTest, Tcp_GreetsAndExchangesRecords) {
   until([&] { return ear.sent.size() == 1; });
   until([&] { return server.heard.size() == 12 + 7; });
   EXPECT_EQ(server.heard, std::string("CANNELLONIv1\0\0\x01\x81\x02\x01\x02", 19));
-  server.say(std::string("\x92\x34", 2));
+  server.write(std::string("\x92\x34", 2));
   io.poll();
-  server.say(std::string("\x56\x78\x01\x09\0\0\0\x80\0", 9));
+  server.write(std::string("\x56\x78\x01\x09\0\0\0\x80\0", 9));
   until([&] { return ear.frames.size() == 2; });
   EXPECT_EQ(ear.frames[0], (can::Frame{.identifier = 0x12345678, .extended = true, .dlc = 1, .data = {9}}));
   EXPECT_EQ(ear.frames[1], can::data_frame(0x080));

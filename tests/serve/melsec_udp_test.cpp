@@ -70,7 +70,7 @@ class MelsecUdpTest : public ::testing::Test {
     }
     return "nothing";
   }
-  std::string ask(udp::socket& socket, const std::string& request) {
+  std::string request(udp::socket& socket, const std::string& request) {
     send(socket, request);
     return receive(socket);
   }
@@ -87,8 +87,8 @@ TEST_F(MelsecUdpTest, Request_IsAnsweredToWhereItCameFrom) {
   start();
   auto first = client();
   auto second = client();
-  EXPECT_EQ(ask(first, read_d100), d100);
-  EXPECT_EQ(ask(second, read_d100), d100);
+  EXPECT_EQ(request(first, read_d100), d100);
+  EXPECT_EQ(request(second, read_d100), d100);
   EXPECT_EQ(server_->clients(), 2U);
   EXPECT_EQ(server_->requests(), 2U);
   EXPECT_EQ(clock_.touches, 2);
@@ -101,9 +101,9 @@ TEST_F(MelsecUdpTest, Garbage_GetsNoAnswerAndHarmsNobody) {
   for (const std::string& garbage :
        {std::string("GET / HTTP/1.1"), std::string(1, '\x50'), std::string(), std::string(60000, '\xFF')})
     send(stranger, garbage);
-  EXPECT_EQ(ask(other, read_d100), d100);
+  EXPECT_EQ(request(other, read_d100), d100);
   EXPECT_EQ(receive(stranger, 3), "nothing");
-  EXPECT_EQ(ask(stranger, read_d100), d100);
+  EXPECT_EQ(request(stranger, read_d100), d100);
 }
 
 TEST_F(MelsecUdpTest, DatagramsThatWait_AreAllAnsweredInOrder) {
@@ -124,7 +124,7 @@ TEST_F(MelsecUdpTest, DatagramsThatWait_AreAllAnsweredInOrder) {
 TEST_F(MelsecUdpTest, LargestReply_IsOneDatagram) {
   start();
   auto socket = client();
-  const std::string reply = ask(socket, "500000FF03FF000018001004010000D*00000003C0");
+  const std::string reply = request(socket, "500000FF03FF000018001004010000D*00000003C0");
   EXPECT_EQ((reply.size() + 1) / 3, 22U + 4U * 960U);
 }
 
@@ -132,10 +132,10 @@ TEST_F(MelsecUdpTest, Password_UnlocksTheClientThatBroughtIt) {
   start({}, {.settings = {.remote_password = "secret"}});
   auto known = client();
   auto stranger = client();
-  EXPECT_THAT(ask(known, read_d100), HasSubstr("01 c2"));
-  EXPECT_EQ(ask(known, unlock), "d0 00 00 ff ff 03 00 02 00 00 00");
-  EXPECT_EQ(ask(known, read_d100), d100);
-  EXPECT_THAT(ask(stranger, read_d100), HasSubstr("01 c2"));
+  EXPECT_THAT(request(known, read_d100), HasSubstr("01 c2"));
+  EXPECT_EQ(request(known, unlock), "d0 00 00 ff ff 03 00 02 00 00 00");
+  EXPECT_EQ(request(known, read_d100), d100);
+  EXPECT_THAT(request(stranger, read_d100), HasSubstr("01 c2"));
 }
 
 TEST_F(MelsecUdpTest, MoreClientsThanAreRemembered_TheOneThatIsSilentLongestIsForgotten) {
@@ -143,21 +143,57 @@ TEST_F(MelsecUdpTest, MoreClientsThanAreRemembered_TheOneThatIsSilentLongestIsFo
   auto first = client();
   auto second = client();
   auto third = client();
-  (void)ask(first, unlock);
-  (void)ask(second, unlock);
-  EXPECT_EQ(ask(first, read_d100), d100);
-  (void)ask(third, unlock);
+  (void)request(first, unlock);
+  (void)request(second, unlock);
+  EXPECT_EQ(request(first, read_d100), d100);
+  (void)request(third, unlock);
   EXPECT_EQ(server_->clients(), 2U);
-  EXPECT_EQ(ask(first, read_d100), d100);
-  EXPECT_THAT(ask(second, read_d100), HasSubstr("01 c2"));
+  EXPECT_EQ(request(first, read_d100), d100);
+  EXPECT_THAT(request(second, read_d100), HasSubstr("01 c2"));
 }
 
 TEST_F(MelsecUdpTest, Frame1e_IsAnsweredOnItsPort) {
   start({}, {.settings = {.takes_3e = false, .takes_1e = true}});
   auto socket = client();
-  EXPECT_EQ(ask(socket, bytes("01 ff 0a 00 64 00 00 00 20 44 01 00")), "81 00 34 12");
+  EXPECT_EQ(request(socket, bytes("01 ff 0a 00 64 00 00 00 20 44 01 00")), "81 00 34 12");
   send(socket, read_d100);
   EXPECT_EQ(receive(socket, 3), "nothing");
+}
+
+TEST_F(MelsecUdpTest, EveryCommandOf1e_IsADatagramEachWay) {
+  start({}, {.settings = {.takes_3e = false, .takes_1e = true}});
+  auto socket = client();
+  const auto answer = [&](const std::string& text) { return request(socket, bytes(text)); };
+  EXPECT_EQ(answer("02 ff 0a 00 32 00 00 00 20 4d 04 00 10 10"), "82 00") << "M50 to M53 = 1, 0, 1, 0";
+  EXPECT_EQ(answer("00 ff 0a 00 32 00 00 00 20 4d 04 00"), "80 00 10 10");
+  EXPECT_EQ(answer("03 ff 0a 00 64 00 00 00 20 44 02 00 01 02 03 04"), "83 00");
+  EXPECT_EQ(answer("01 ff 0a 00 64 00 00 00 20 44 02 00"), "81 00 01 02 03 04");
+  EXPECT_EQ(answer("04 ff 0a 00 02 00 32 00 00 00 20 4d 00 33 00 00 00 20 4d 01"), "84 00");
+  EXPECT_EQ(answer("00 ff 0a 00 32 00 00 00 20 4d 02 00"), "80 00 01");
+  EXPECT_EQ(answer("05 ff 0a 00 01 00 64 00 00 00 20 44 78 56"), "85 00");
+  EXPECT_EQ(answer("07 ff 0a 00 01 00 64 00 00 00 20 44"), "87 00");
+  EXPECT_EQ(answer("09 ff 0a 00"), "89 00 78 56") << "the list of this address";
+  auto other = client();
+  EXPECT_EQ(request(other, bytes("09 ff 0a 00")), "89 57") << "another address has none";
+  EXPECT_EQ(answer("16 ff 0a 00 02 41 42"), "96 00 02 41 42");
+  EXPECT_EQ(answer("14 ff 0a 00"), "94 00");
+  EXPECT_EQ(answer("13 ff 0a 00"), "93 00");
+  EXPECT_THAT(answer("15 ff 0a 00"), HasSubstr("95 00"));
+}
+
+TEST_F(MelsecUdpTest, DatagramOf1eWithAnotherLength_Is57H) {
+  start({}, {.settings = {.takes_3e = false, .takes_1e = true}});
+  auto socket = client();
+  EXPECT_EQ(request(socket, bytes("01 ff 0a 00 64 00 00 00 20 44")), "81 57");
+  EXPECT_EQ(request(socket, bytes("01 ff 0a 00 64 00 00 00 20 44 01 00 77")), "81 57");
+  EXPECT_EQ(request(socket, bytes("01 ff 0a 00 64 00 00 00 20 44 01 00")), "81 00 34 12");
+}
+
+TEST_F(MelsecUdpTest, Ascii1e_IsAnsweredInAscii) {
+  start({}, {.settings = {.takes_3e = false, .takes_1e = true}});
+  auto socket = client();
+  send(socket, "01FF000A4420000000640100");
+  EXPECT_EQ(receive(socket), shown("81001234"));
 }
 
 TEST_F(MelsecUdpTest, RunThatEndsWhileTheTimeIsAsked_LeavesTheRequestUnanswered) {

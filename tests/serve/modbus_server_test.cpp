@@ -51,7 +51,7 @@ class ModbusServerTest : public ::testing::Test {
     context_.poll();
     return socket;
   }
-  std::string ask(tcp::socket& socket, const std::string& request) {
+  std::string request(tcp::socket& socket, const std::string& request) {
     boost::asio::write(socket, boost::asio::buffer(bytes(request)));
     return receive(socket);
   }
@@ -81,9 +81,9 @@ TEST_F(ModbusServerTest, SeveralClients_AreAnsweredEachItsOwn) {
   start();
   auto first = connect();
   auto second = connect();
-  EXPECT_EQ(ask(first, "00 01 00 00 00 06 ff 03 00 64 00 01"), "00 01 00 00 00 05 ff 03 02 12 34");
-  EXPECT_EQ(ask(second, "00 02 00 00 00 06 01 06 00 64 56 78"), "00 02 00 00 00 06 01 06 00 64 56 78");
-  EXPECT_EQ(ask(first, "00 03 00 00 00 06 ff 03 00 64 00 01"), "00 03 00 00 00 05 ff 03 02 56 78");
+  EXPECT_EQ(request(first, "00 01 00 00 00 06 ff 03 00 64 00 01"), "00 01 00 00 00 05 ff 03 02 12 34");
+  EXPECT_EQ(request(second, "00 02 00 00 00 06 01 06 00 64 56 78"), "00 02 00 00 00 06 01 06 00 64 56 78");
+  EXPECT_EQ(request(first, "00 03 00 00 00 06 ff 03 00 64 00 01"), "00 03 00 00 00 05 ff 03 02 56 78");
   EXPECT_EQ(clock_.touches, 3);
   EXPECT_EQ(server_->clients(), 2U);
 }
@@ -91,14 +91,31 @@ TEST_F(ModbusServerTest, SeveralClients_AreAnsweredEachItsOwn) {
 TEST_F(ModbusServerTest, WhatIsNoModbus_ClosesTheConnection) {
   start();
   auto client = connect();
-  EXPECT_EQ(ask(client, "47 45 54 20 2f 20 48 54"), "closed");
+  EXPECT_EQ(request(client, "47 45 54 20 2f 20 48 54"), "closed");
   EXPECT_THAT(reports_, ElementsAre(HasSubstr("sent what is no request of the Modbus protocol")));
+}
+
+TEST_F(ModbusServerTest, ClientOfRtu_IsClosedWithTheReason) {
+  start();
+  auto client = connect();
+  EXPECT_EQ(request(client, "01 03 00 00 00 0a c5 cd"), "closed");
+  EXPECT_THAT(
+      reports_,
+      ElementsAre(HasSubstr(
+          "sent Modbus RTU, whose frames have no MBAP header: that takes a port with framing = \"rtu\"")));
+}
+
+TEST_F(ModbusServerTest, PortForRtu_AnswersIt) {
+  start({},
+        {.settings = {.map = plc::modbus::default_map(plc::r04cpu()), .framing = plc::modbus::Framing::rtu}});
+  auto client = connect();
+  EXPECT_EQ(request(client, "01 03 00 00 00 02 c4 0b"), "01 03 04 00 00 00 00 fa 33");
 }
 
 TEST_F(ModbusServerTest, HalfARequestThatStaysHalf_LosesItsConnection) {
   start({.half_request_timeout = 20ms});
   auto client = connect();
-  EXPECT_EQ(ask(client, "00 01 00 00 00 06 ff"), "closed");
+  EXPECT_EQ(request(client, "00 01 00 00 00 06 ff"), "closed");
   EXPECT_THAT(reports_, ElementsAre(HasSubstr("left a request incomplete")));
 }
 

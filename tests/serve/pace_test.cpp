@@ -174,6 +174,16 @@ TEST(Pace, UntilAMoment_ThenItStandsStill) {
   EXPECT_EQ(step.lag, 0ms);
 }
 
+TEST(Pace, UntilAMoment_IsWokenThereAndThenNoMore) {
+  Pace pace;
+  pace.set_speed(1, at(100ms), 5s, at(110ms));
+  EXPECT_EQ(pace.elapsed_to_wake(at(105ms), at(100ms)), 5005ms);
+  EXPECT_EQ(pace.elapsed_to_wake(at(111ms), at(105ms)), 5010ms);
+  EXPECT_EQ(pace.elapsed_to_wake(at(111ms), at(110ms)), can::Duration::max());
+  pace.set_speed(1, at(110ms), 9s);
+  EXPECT_EQ(pace.elapsed_to_wake(at(111ms), at(110ms)), 9001ms);
+}
+
 TEST(Pace, FasterThanTheMachine_DoesNotCatchUpLater) {
   Pace pace;
   pace.set_speed(50, at(0ms), 0ms);

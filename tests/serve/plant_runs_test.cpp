@@ -37,12 +37,12 @@ class PlantRunsTest : public ::testing::Test, public plant::PlantObserver {
     control_ = std::make_unique<RunControl>(*plant_, *runs_);
   }
   /// Answers come into answers_, behind the name of who asked.
-  ControlServer::CallOff ask(const std::string& line, const std::string& who = "") {
+  ControlServer::CallOff request(const std::string& line, const std::string& who = "") {
     return control_->answer(line, [this, who](std::string answer) { answers_.push_back(who + answer); });
   }
   std::string answer(const std::string& line) {
     const std::size_t before = answers_.size();
-    (void)ask(line);
+    (void)request(line);
     return answers_.size() == before ? "waits" : answers_.back();
   }
   void run_until(can::Duration time) {
@@ -78,10 +78,10 @@ TEST_F(PlantRunsTest, Scans_EndAtTheEndOfAScan) {
 
 TEST_F(PlantRunsTest, ATime_EndsToTheNanosecond_AndTheNextScanOnTheGrid) {
   start(PlantRuns::Order::in_turn);
-  (void)ask(R"({"request":"run","for":"12ms"})");
+  (void)request(R"({"request":"run","for":"12ms"})");
   run_in_step();
   EXPECT_EQ(now(), 12ms);
-  (void)ask(R"({"request":"run","scans":1})");
+  (void)request(R"({"request":"run","scans":1})");
   run_in_step();
   EXPECT_EQ(now(), 15ms);
   EXPECT_THAT(answers_, ElementsAre(HasSubstr("\"scans\":2}"), HasSubstr("\"scans\":1}")));
@@ -89,7 +89,7 @@ TEST_F(PlantRunsTest, ATime_EndsToTheNanosecond_AndTheNextScanOnTheGrid) {
 
 TEST_F(PlantRunsTest, NoScans_AreOverAtOnce) {
   start(PlantRuns::Order::in_turn);
-  (void)ask(R"({"request":"run","scans":0})");
+  (void)request(R"({"request":"run","scans":0})");
   EXPECT_FALSE(runs_->wants_time());
   runs_->report();
   EXPECT_THAT(answers_, ElementsAre(HasSubstr("\"t\":0.0,\"scans\":0}")));
@@ -97,20 +97,20 @@ TEST_F(PlantRunsTest, NoScans_AreOverAtOnce) {
 
 TEST_F(PlantRunsTest, ACondition_EndsWithTheScanInWhichItHolds) {
   start(PlantRuns::Order::in_turn);
-  (void)ask(R"({"request":"run","until":"X0","for":"10s"})");  // the module is ready after its restart
+  (void)request(R"({"request":"run","until":"X0","for":"10s"})");  // the module is ready after its restart
   run_in_step();
   EXPECT_THAT(answers_.back(), HasSubstr("\"met\":true}"));
   EXPECT_EQ(now() % 5ms, 0ms);
   EXPECT_GT(now(), 0ms);
   EXPECT_LT(now(), 10s);
-  (void)ask(R"({"request":"run","until":"X0"})");
+  (void)request(R"({"request":"run","until":"X0"})");
   runs_->report();
   EXPECT_THAT(answers_.back(), HasSubstr("\"scans\":0,\"met\":true}")) << "it holds already";
 }
 
 TEST_F(PlantRunsTest, AConditionThatDoesNotComeInTime_IsNoError) {
   start(PlantRuns::Order::in_turn);
-  (void)ask(R"({"request":"run","until":"D0 == 1","scans":4})");
+  (void)request(R"({"request":"run","until":"D0 == 1","scans":4})");
   run_in_step();
   EXPECT_THAT(answers_, ElementsAre("{\"ok\":true,\"t\":0.02,\"scans\":4,\"met\":false}\n"));
 }
@@ -119,7 +119,7 @@ TEST_F(PlantRunsTest, ConditionsCompareAsTheyAreWritten) {
   start(PlantRuns::Order::in_turn);
   set_d0(0xFFFF);
   const auto holds = [this](const std::string& condition) {
-    (void)ask(R"({"request":"run","scans":0,"until":")" + condition + "\"}");
+    (void)request(R"({"request":"run","scans":0,"until":")" + condition + "\"}");
     runs_->report();
     return answers_.back().find("\"met\":true") != std::string::npos;
   };
@@ -135,8 +135,8 @@ TEST_F(PlantRunsTest, ConditionsCompareAsTheyAreWritten) {
 
 TEST_F(PlantRunsTest, InTurn_OneWaitsForTheOther) {
   start(PlantRuns::Order::in_turn);
-  (void)ask(R"({"request":"run","scans":2})", "a ");
-  (void)ask(R"({"request":"run","scans":1})", "b ");
+  (void)request(R"({"request":"run","scans":2})", "a ");
+  (void)request(R"({"request":"run","scans":1})", "b ");
   run_in_step();
   EXPECT_THAT(answers_,
               ElementsAre(HasSubstr("a {\"ok\":true,\"t\":0.01,"), HasSubstr("b {\"ok\":true,\"t\":0.015,")));
@@ -144,9 +144,9 @@ TEST_F(PlantRunsTest, InTurn_OneWaitsForTheOther) {
 
 TEST_F(PlantRunsTest, SideBySide_TheyBeginAtOnce_AndThePlantGoesOnByItself) {
   start(PlantRuns::Order::side_by_side);
-  (void)ask(R"({"request":"run","scans":2})", "a ");
-  (void)ask(R"({"request":"run","scans":1})", "b ");
-  (void)ask(R"({"request":"run","for":"7ms"})", "c ");
+  (void)request(R"({"request":"run","scans":2})", "a ");
+  (void)request(R"({"request":"run","scans":1})", "b ");
+  (void)request(R"({"request":"run","for":"7ms"})", "c ");
   run_until(5ms);
   EXPECT_THAT(answers_, ElementsAre(HasSubstr("b ")));
   EXPECT_EQ(over_, 1);
@@ -156,15 +156,15 @@ TEST_F(PlantRunsTest, SideBySide_TheyBeginAtOnce_AndThePlantGoesOnByItself) {
 
 TEST_F(PlantRunsTest, SideBySide_AConditionThatHeldForOneScan_IsSeenByAPlantThatLags) {
   start(PlantRuns::Order::side_by_side);
-  (void)ask(R"({"request":"run","until":"SM402 == OFF"})");
+  (void)request(R"({"request":"run","until":"SM402 == OFF"})");
   run_until(5s);
   EXPECT_THAT(answers_, ElementsAre(HasSubstr("\"scans\":1,\"met\":true}")));
 }
 
 TEST_F(PlantRunsTest, WhoLeaves_WantsNoMoreTime_AndTheNextOneBegins) {
   start(PlantRuns::Order::in_turn);
-  const auto call_off = ask(R"({"request":"run","for":"1h"})", "a ");
-  (void)ask(R"({"request":"run","scans":1})", "b ");
+  const auto call_off = request(R"({"request":"run","for":"1h"})", "a ");
+  (void)request(R"({"request":"run","scans":1})", "b ");
   plant_->timeline().run_until(can::Time{20ms});
   call_off();
   run_in_step();
@@ -174,8 +174,8 @@ TEST_F(PlantRunsTest, WhoLeaves_WantsNoMoreTime_AndTheNextOneBegins) {
 
 TEST_F(PlantRunsTest, TheEndOfThePlant_IsAnErrorForWhoWaits) {
   start(PlantRuns::Order::in_turn);
-  (void)ask(R"({"request":"run","scans":100})", "a ");
-  (void)ask(R"({"request":"run","scans":1})", "b ");
+  (void)request(R"({"request":"run","scans":100})", "a ");
+  (void)request(R"({"request":"run","scans":1})", "b ");
   plant_->timeline().run_until(can::Time{20ms});
   runs_->end_all();
   runs_->report();
@@ -213,7 +213,7 @@ TEST_F(PlantRunsTest, WrongRequests_AreAnsweredInWords) {
 TEST_F(PlantRunsTest, WithoutAPlc_TimeAloneCanBeWaitedFor) {
   start(PlantRuns::Order::in_turn, "[[bus]]\nname = \"a\"\nbit_rate = 250_000\n");
   EXPECT_THAT(answer(R"({"request":"run","scans":1})"), HasSubstr("the plant has no PLC"));
-  (void)ask(R"({"request":"run","for":"1ms"})");
+  (void)request(R"({"request":"run","for":"1ms"})");
   run_in_step();
   EXPECT_EQ(answers_.back(), "{\"ok\":true,\"t\":0.001}\n");
 }
@@ -223,9 +223,9 @@ TEST_F(PlantRunsTest, OfSeveralPlcs_OneIsNamed) {
         "[[bus]]\nname = \"a\"\nbit_rate = 250_000\n[[plc]]\nname = \"one\"\nlisten = \"off\"\n"
         "[[plc]]\nname = \"two\"\nlisten = \"off\"\nscan = \"1ms\"\n");
   EXPECT_THAT(answer(R"({"request":"run","scans":1})"), HasSubstr("plc is missing; expected one or two"));
-  (void)ask(R"({"request":"run","scans":3,"plc":"two"})");
-  (void)ask(R"({"request":"run","scans":1,"plc":"one"})");
-  (void)ask(R"({"request":"run","for":"1ms"})");
+  (void)request(R"({"request":"run","scans":3,"plc":"two"})");
+  (void)request(R"({"request":"run","scans":1,"plc":"one"})");
+  (void)request(R"({"request":"run","for":"1ms"})");
   run_in_step();
   EXPECT_THAT(answers_, ElementsAre(HasSubstr("one or two"), HasSubstr("\"t\":0.003"),
                                     HasSubstr("\"t\":0.01,"), HasSubstr("\"t\":0.011}")));

@@ -61,7 +61,7 @@ class CannelloniDatagrams final : public DatagramTransport {
     if (failure) return failed("our port " + std::to_string(address().local_port) + ": " + failure.message());
     theirs_.restart();
     sequence_ = 0;
-    take_socket(std::move(socket));
+    use_socket(std::move(socket));
     opened();
   }
   void disconnect() override {
@@ -85,16 +85,16 @@ class CannelloniDatagrams final : public DatagramTransport {
   void datagram_received(std::span<const std::uint8_t> bytes, const Endpoint& sender) override {
     if (sender.address() != peer_.address()) return;  // a stranger
     if (!read_cannelloni_datagram(bytes, input_)) return complain("a datagram that is none of cannelloni");
-    look_at(input_.sequence);
+    check_sequence(input_.sequence);
     for (const CannelloniRecord& record : input_.records) {
       if (!is_open()) return;
-      take(record);
+      record_received(record);
     }
     if (!input_.mistake.empty()) complain("a datagram of cannelloni: " + std::string(input_.mistake));
   }
-  void look_at(std::uint8_t sequence) {
+  void check_sequence(std::uint8_t sequence) {
     using Finding = CannelloniSequence::Finding;
-    switch (theirs_.take(sequence)) {
+    switch (theirs_.classify(sequence)) {
       case Finding::in_order: return;
       case Finding::another_order: return complain("datagrams of cannelloni came in another order");
       case Finding::started_anew: return complain("the other cannelloni counts its datagrams anew");
@@ -103,7 +103,7 @@ class CannelloniDatagrams final : public DatagramTransport {
     complain(std::to_string(theirs_.lost()) +
              (theirs_.lost() == 1 ? " datagram of cannelloni is lost" : " datagrams of cannelloni are lost"));
   }
-  void take(const CannelloniRecord& record) {
+  void record_received(const CannelloniRecord& record) {
     switch (record.kind) {
       case CannelloniRecord::Kind::frame: return received(record.frame);
       case CannelloniRecord::Kind::error_frame: {
@@ -156,7 +156,7 @@ class CannelloniStream final : public StreamTransport {
       opened();
     }
     auto rest = as_bytes(input_);
-    while (const auto record = take_cannelloni_record(rest)) {
+    while (const auto record = next_cannelloni_record(rest)) {
       if (!is_open()) return;
       switch (record->kind) {
         case CannelloniRecord::Kind::frame: received(record->frame); break;

@@ -32,7 +32,7 @@ void write_cannelloni_datagram(std::string& out, std::uint8_t sequence, std::spa
   for (const can::Frame& frame : frames) append_cannelloni_record(out, frame);
 }
 
-std::optional<CannelloniRecord> take_cannelloni_record(std::span<const std::uint8_t>& bytes) noexcept {
+std::optional<CannelloniRecord> next_cannelloni_record(std::span<const std::uint8_t>& bytes) noexcept {
   using Kind = CannelloniRecord::Kind;
   if (bytes.size() < record_head) return std::nullopt;
   std::uint32_t head = 0;
@@ -71,7 +71,7 @@ bool read_cannelloni_datagram(std::span<const std::uint8_t> bytes, CannelloniDat
   const unsigned count = bytes[3] * 256U + bytes[4];
   bytes = bytes.subspan(cannelloni_header);
   for (unsigned number = 0; number < count; ++number) {
-    const auto record = take_cannelloni_record(bytes);
+    const auto record = next_cannelloni_record(bytes);
     if (!record) {
       datagram.mistake = "it ends before its records do";
       return true;
@@ -86,7 +86,7 @@ bool read_cannelloni_datagram(std::span<const std::uint8_t> bytes, CannelloniDat
   return true;
 }
 
-CannelloniSequence::Finding CannelloniSequence::take(std::uint8_t sequence) noexcept {
+CannelloniSequence::Finding CannelloniSequence::classify(std::uint8_t sequence) noexcept {
   const std::uint8_t expected = expected_.value_or(sequence);
   const auto ahead = static_cast<std::uint8_t>(sequence - expected);
   const auto next = static_cast<std::uint8_t>(sequence + 1);

@@ -41,7 +41,7 @@ struct CannelloniRecord {
 };
 
 /// Takes a record off the front. None: more bytes are needed; at most 70 belong to one.
-[[nodiscard]] std::optional<CannelloniRecord> take_cannelloni_record(
+[[nodiscard]] std::optional<CannelloniRecord> next_cannelloni_record(
     std::span<const std::uint8_t>& bytes) noexcept;
 
 /// The numbers of the datagrams that come.
@@ -53,7 +53,7 @@ class CannelloniSequence {
     another_order,  ///< an older one
     started_anew,   ///< a second older one behind the first: this is their count from now on
   };
-  Finding take(std::uint8_t sequence) noexcept;
+  Finding classify(std::uint8_t sequence) noexcept;
   [[nodiscard]] unsigned lost() const noexcept { return lost_; }
   void restart() noexcept { *this = {}; }
 

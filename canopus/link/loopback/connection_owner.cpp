@@ -27,7 +27,7 @@ std::string in_table(const Endpoint& endpoint) {
 /// The word of this number of a line, from 0.
 std::string_view word(std::string_view line, unsigned number) {
   for (;; --number) {
-    const std::string_view found = ascii::take_word(line);
+    const std::string_view found = ascii::next_word(line);
     if (number == 0 || found.empty()) return found;
   }
 }

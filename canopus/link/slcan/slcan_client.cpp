@@ -64,7 +64,7 @@ class SlcanTransport final : public StreamTransport {
     if (address().tcp) return StreamTransport::connect();
     const auto device = open_serial_device(address().bus, address().serial_speed);
     if (!device) return failed(device.error());
-    take_stream(*device);
+    use_stream(*device);
   }
   void disconnect() override {
     if (channel_open_) write_last("C\r");
@@ -123,7 +123,7 @@ class SlcanTransport final : public StreamTransport {
     ControllerStatus now{.bit_rate = bit_rate_};
     if (!is_open()) {
       opened();
-      ask_status();
+      request_status();
     }
     set_status(now);
   }
@@ -148,13 +148,13 @@ class SlcanTransport final : public StreamTransport {
   void bytes_received(std::string_view bytes) override {
     const auto alive = shared_from_this();
     reader_.receive(bytes, [this](const SlcanLine& line) {
-      if (settled_ && state() != State::ended) take(line);
+      if (settled_ && state() != State::ended) line_received(line);
     });
     if (state() == State::ended || state() == State::interrupted) return;
     if (reader_.is_endless()) return failed("this is no slcan adapter: what it says has no end of a line");
     if (is_open()) write();
   }
-  void take(const SlcanLine& line) {
+  void line_received(const SlcanLine& line) {
     using Kind = SlcanLine::Kind;
     switch (line.kind) {
       case Kind::frame:
@@ -208,7 +208,9 @@ class SlcanTransport final : public StreamTransport {
     refused_.push_back(frame);
     one_at_a_time_ = true;
     if (!std::exchange(complained_, true)) {
-      complain("the adapter refuses a frame; it is sent again (its queue is full, or nobody acknowledges)");
+      complain(
+          "the adapter refuses a frame; it is sent again (its queue is full, or its frames are not "
+          "acknowledged)");
     }
     if (std::exchange(again_waits_, true)) return;
     again_.expires_after(refusal_pause);
@@ -248,12 +250,12 @@ class SlcanTransport final : public StreamTransport {
     if (is_open()) write();
   }
 
-  void ask_status() {
+  void request_status() {
     status_timer_.expires_after(slcan_status_period);
     status_timer_.async_wait([self = self(this)](const error_code& failure) {
       if (failure || self->silent_ || self->no_flags_ || !self->is_open()) return;
       self->command("F", Asked::flags);
-      self->ask_status();
+      self->request_status();
     });
   }
   void flags(std::uint8_t flags) {

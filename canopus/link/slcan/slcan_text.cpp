@@ -13,7 +13,7 @@ constexpr std::uint32_t standard_rates[] = {10'000,  20'000,  50'000,  100'000, 
 using ascii::write_hex;
 
 /// Takes hexadecimal digits off the front.
-std::optional<std::uint32_t> take_hex(std::string_view& text, std::size_t digits) noexcept {
+std::optional<std::uint32_t> next_hex(std::string_view& text, std::size_t digits) noexcept {
   if (text.size() < digits) return std::nullopt;
   std::uint32_t value = 0;
   for (const char c : text.substr(0, digits)) {
@@ -29,20 +29,20 @@ std::optional<can::Frame> read_frame(std::string_view text) noexcept {
   const char kind = text.front();
   text.remove_prefix(1);
   can::Frame frame{.extended = kind == 'T' || kind == 'R', .remote = kind == 'r' || kind == 'R'};
-  const auto identifier = take_hex(text, frame.extended ? 8 : 3);
-  const auto length = take_hex(text, 1);
+  const auto identifier = next_hex(text, frame.extended ? 8 : 3);
+  const auto length = next_hex(text, 1);
   if (!identifier || !length || *length > 8) return std::nullopt;
   if (*identifier > (frame.extended ? can::max_extended_identifier : can::max_base_identifier))
     return std::nullopt;
   frame.identifier = *identifier;
   frame.dlc = static_cast<std::uint8_t>(*length);
   for (std::uint8_t& byte : std::span(frame.data).first(frame.length())) {
-    const auto value = take_hex(text, 2);
+    const auto value = next_hex(text, 2);
     if (!value) return std::nullopt;
     byte = static_cast<std::uint8_t>(*value);
   }
   // Time stamps: milliseconds of a minute, or 8 digits of some makes.
-  const bool has_time = (text.size() == 4 || text.size() == 8) && take_hex(text, text.size());
+  const bool has_time = (text.size() == 4 || text.size() == 8) && next_hex(text, text.size());
   if (!text.empty() && !has_time) return std::nullopt;
   return frame;
 }
@@ -100,7 +100,7 @@ SlcanLine SlcanReader::end_of_line(char end) const noexcept {
       break;
     case 'F': {
       std::string_view digits = text.substr(1);
-      const auto flags = take_hex(digits, 2);
+      const auto flags = next_hex(digits, 2);
       if (flags && digits.empty()) {
         return {.kind = Kind::flags, .flags = static_cast<std::uint8_t>(*flags), .text = text};
       }

@@ -60,7 +60,7 @@ std::optional<std::chrono::nanoseconds> time_of(const scm_timestamping& times) {
   return std::nullopt;
 }
 
-void ask_for_times(int socket) {
+void enable_time_stamps(int socket) {
   const int sources = SOF_TIMESTAMPING_RX_HARDWARE | SOF_TIMESTAMPING_RAW_HARDWARE |
                       SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE;
   if (::setsockopt(socket, SOL_SOCKET, SO_TIMESTAMPING, &sources, sizeof sources) == 0) return;
@@ -103,7 +103,7 @@ std::expected<CanSocket, std::string> open_can_socket(const std::string& interfa
   (void)::setsockopt(socket, SOL_SOCKET, SO_RXQ_OVFL, &yes, sizeof yes);
   const int room = 1 << 20;
   (void)::setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
-  ask_for_times(socket);
+  enable_time_stamps(socket);
   sockaddr_can place{};
   place.can_family = AF_CAN;
   place.can_ifindex = number;
@@ -189,7 +189,7 @@ void set_can_filter(int descriptor, std::span<const IdentifierFilter> filters) {
                      static_cast<socklen_t>(raw.size() * sizeof(can_filter)));
 }
 
-int take_socket_error(int descriptor) {
+int clear_socket_error(int descriptor) {
   int error = 0;
   socklen_t size = sizeof error;
   (void)::getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error, &size);

@@ -51,6 +51,6 @@ struct ReceivedBatch {
 /// Frames the kernel passes on; all with an empty list. At most 512.
 void set_can_filter(int descriptor, std::span<const IdentifierFilter> filters);
 /// The failure that waits at the socket (0: none) is taken off.
-int take_socket_error(int descriptor);
+int clear_socket_error(int descriptor);
 
 }  // namespace canopus::link

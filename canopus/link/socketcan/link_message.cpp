@@ -158,7 +158,7 @@ std::vector<LinkMessage> read_link_messages(Bytes bytes) {
   return messages;
 }
 
-NetlinkRequest ask_for_link(std::string_view name, std::uint32_t sequence) {
+NetlinkRequest link_request(std::string_view name, std::uint32_t sequence) {
   Request request(RTM_GETLINK, 0, sequence, {});
   const std::string terminated(name);
   request.attribute(IFLA_IFNAME, terminated.c_str(), terminated.size() + 1);

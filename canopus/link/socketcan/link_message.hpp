@@ -35,7 +35,7 @@ struct LinkMessage {
 
 using NetlinkRequest = std::vector<std::uint8_t>;
 /// Asks for one interface.
-[[nodiscard]] NetlinkRequest ask_for_link(std::string_view name, std::uint32_t sequence);
+[[nodiscard]] NetlinkRequest link_request(std::string_view name, std::uint32_t sequence);
 [[nodiscard]] NetlinkRequest set_link_up(int index, bool up, std::uint32_t sequence);
 /// For an interface that is down.
 [[nodiscard]] NetlinkRequest set_link_bit_rate(int index, std::uint32_t bit_rate, std::uint32_t sequence);

@@ -56,8 +56,8 @@ std::expected<void, int> Netlink::command(const NetlinkRequest& request) {
   return {};
 }
 
-std::expected<LinkMessage, int> Netlink::ask(const std::string& name) {
-  return exchange(ask_for_link(name, ++sequence_));
+std::expected<LinkMessage, int> Netlink::request(const std::string& name) {
+  return exchange(link_request(name, ++sequence_));
 }
 
 std::expected<void, int> Netlink::set_up(int index, bool up) {

@@ -24,7 +24,7 @@ class Netlink {
   int release() noexcept;
 
   /// The error is an errno.
-  [[nodiscard]] std::expected<LinkMessage, int> ask(const std::string& name);
+  [[nodiscard]] std::expected<LinkMessage, int> request(const std::string& name);
   [[nodiscard]] std::expected<void, int> set_up(int index, bool up);
   [[nodiscard]] std::expected<void, int> set_bit_rate(int index, std::uint32_t bit_rate);
 

@@ -51,10 +51,10 @@ class SocketcanTransport final : public Transport {
     auto done = set_up(bit_rate);
     if (done && is_open()) {
       // Clears the socket's error: we took the interface down ourselves.
-      (void)take_socket_error(socket_.native_handle());
+      (void)clear_socket_error(socket_.native_handle());
       on_bus_.clear();
       queue().clear();
-      look_at_controller();
+      read_controller_state();
     }
     return done;
   }
@@ -72,7 +72,7 @@ class SocketcanTransport final : public Transport {
   }
   /// Takes the interface down, sets its bit rate if there is one, and takes it up.
   std::expected<void, std::string> set_up(std::uint32_t bit_rate) {
-    const auto link = netlink_.ask(interface_);
+    const auto link = netlink_.request(interface_);
     if (!link)
       return std::unexpected(link.error() == ENODEV ? "there is no such interface"
                                                     : std::strerror(link.error()));
@@ -92,7 +92,7 @@ class SocketcanTransport final : public Transport {
 
   void connect() override {
     if (const std::uint32_t wanted = options().bit_rate; wanted != 0) {
-      const auto link = netlink_.ask(interface_);
+      const auto link = netlink_.request(interface_);
       const bool has_it = link && link->up && link->controller && link->controller->bit_rate == wanted;
       // If the interface is down, or has another bit rate, a user did that on purpose; only an adapter that
       // is plugged in again has neither.
@@ -110,11 +110,11 @@ class SocketcanTransport final : public Transport {
     apply_filter();
     if (Netlink events(true); events.descriptor() >= 0) {
       events_.assign(events.release());
-      hear_events();
+      wait_for_events();
     }
     read();
     opened();
-    look_at_controller();
+    read_controller_state();
     poll_controller();
   }
   void disconnect() override {
@@ -144,7 +144,7 @@ class SocketcanTransport final : public Transport {
       if (!there && there.error() == EAGAIN) break;
       if (!there) return lose(there.error());
       for (const ReceivedFrame& frame : batch_.frames()) {
-        take(frame);
+        frame_received(frame);
         if (generation != generation_) return;
       }
       if (batch_.dropped && *batch_.dropped != dropped_) {
@@ -158,7 +158,7 @@ class SocketcanTransport final : public Transport {
     write();
     read();
   }
-  void take(const ReceivedFrame& frame) {
+  void frame_received(const ReceivedFrame& frame) {
     switch (frame.kind) {
       case ReceivedFrame::Kind::error: return error_frame(frame);
       case ReceivedFrame::Kind::frame: reported_error_ = {}; return received(frame.frame, frame.received_at);
@@ -192,7 +192,8 @@ class SocketcanTransport final : public Transport {
     set_status(now);
     if (generation != generation_) return;
     // Single errors of a bus in trouble are many; their counters wait for the next poll.
-    if ((frame.error_class & (CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED)) != 0) look_at_controller();
+    if ((frame.error_class & (CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED)) != 0)
+      read_controller_state();
     if (generation != generation_) return;
     if ((frame.error_class & (CAN_ERR_BUSOFF | CAN_ERR_RESTARTED)) != 0)
       on_bus_.clear();  // they do not come back
@@ -218,7 +219,7 @@ class SocketcanTransport final : public Transport {
 
   // --- netlink notifications of the interface
 
-  void hear_events() {
+  void wait_for_events() {
     events_.async_wait(stream_descriptor::wait_read,
                        [self = self(this), generation = generation_](const error_code& failure) {
                          if (!failure && generation == self->generation_) self->on_events();
@@ -227,7 +228,7 @@ class SocketcanTransport final : public Transport {
   void on_events() {
     std::array<std::uint8_t, 16384> input;
     bool ours = false;
-    constexpr int most_at_once = 64;  // what is left is still there for hear_events()
+    constexpr int most_at_once = 64;  // what is left is still there for wait_for_events()
     for (int count = 0; count < most_at_once; ++count) {
       const ssize_t size = ::recv(events_.native_handle(), input.data(), input.size(), MSG_DONTWAIT);
       if (size < 0 && errno == ENOBUFS) ours = true;  // events were lost
@@ -238,11 +239,11 @@ class SocketcanTransport final : public Transport {
       }
     }
     const std::uint32_t generation = generation_;
-    if (ours) look_at_controller();
-    if (generation == generation_) hear_events();
+    if (ours) read_controller_state();
+    if (generation == generation_) wait_for_events();
   }
-  void look_at_controller() {
-    const auto link = netlink_.ask(interface_);
+  void read_controller_state() {
+    const auto link = netlink_.request(interface_);
     if (!link) {
       if (link.error() == ENODEV) lose(ENODEV);
       return;
@@ -266,7 +267,7 @@ class SocketcanTransport final : public Transport {
     status_timer_.expires_after(socketcan_status_period);
     status_timer_.async_wait([self = self(this), generation = generation_](const error_code& failure) {
       if (failure || generation != self->generation_) return;
-      self->look_at_controller();
+      self->read_controller_state();
       if (generation == self->generation_) self->poll_controller();
     });
   }

@@ -37,21 +37,22 @@ class ConnectionPlaces {
       : most_(most), gives_way_after_(gives_way_after) {}
 
   /// Whether a new connection of this name is admitted; one of the connections may be closed for it.
-  /// Connections have name(), place() (a HeldPlace) and close(). `say(client, what)` reports the closed
+  /// Connections have name(), place() (a HeldPlace) and close(). `report(client, what)` reports the closed
   /// connection, or the refusal.
-  template <typename Connection, typename Say>
+  template <typename Connection, typename Report>
   [[nodiscard]] bool make_room(std::vector<std::shared_ptr<Connection>>& connections,
-                               const std::string& newcomer, Clock::time_point now, const Say& say) const {
+                               const std::string& newcomer, Clock::time_point now,
+                               const Report& report) const {
     if (connections.size() < most_) return true;
-    if (give_way(connections, newcomer, now, say, [](const Connection&) { return true; })) return true;
-    say(newcomer, fmt::format("was refused: all {} connections are in use", most_));
+    if (give_way(connections, newcomer, now, report, [](const Connection&) { return true; })) return true;
+    report(newcomer, fmt::format("was refused: all {} connections are in use", most_));
     return false;
   }
 
   /// Closes one of those for which `IsMeant` is true, if one gives way. False: none does.
-  template <typename Connection, typename Say, typename IsMeant>
+  template <typename Connection, typename Report, typename IsMeant>
   bool give_way(std::vector<std::shared_ptr<Connection>>& connections, const std::string& newcomer,
-                Clock::time_point now, const Say& say, const IsMeant& is_meant) const {
+                Clock::time_point now, const Report& report, const IsMeant& is_meant) const {
     const auto comes_before = [](const HeldPlace& one, const HeldPlace& other) {
       if (one.hold != other.hold) return one.hold < other.hold;
       return one.used != other.used ? one.used < other.used : one.number < other.number;
@@ -66,10 +67,10 @@ class ConnectionPlaces {
     const auto idle = now - place.used;
     if (place.hold == Hold::firm || (place.hold == Hold::while_used && idle < gives_way_after_)) return false;
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(idle).count();
-    say((*first)->name(),
-        place.hold == Hold::while_used
-            ? fmt::format("has asked nothing for {} s: its connection gives way to {}", seconds, newcomer)
-            : fmt::format("gives way to {}: its connection is closed", newcomer));
+    report((*first)->name(), place.hold == Hold::while_used
+                                 ? fmt::format("has sent no request for {} s: its connection gives way to {}",
+                                               seconds, newcomer)
+                                 : fmt::format("gives way to {}: its connection is closed", newcomer));
     const auto closed = *first;
     connections.erase(first);
     closed->close();

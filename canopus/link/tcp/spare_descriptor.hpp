@@ -10,8 +10,8 @@ namespace canopus::link {
 
 class SpareDescriptor {
  public:
-  SpareDescriptor() { take(); }
-  ~SpareDescriptor() { give_up(); }
+  SpareDescriptor() { reserve(); }
+  ~SpareDescriptor() { release(); }
   SpareDescriptor(const SpareDescriptor&) = delete;
   SpareDescriptor& operator=(const SpareDescriptor&) = delete;
 
@@ -19,22 +19,22 @@ class SpareDescriptor {
   /// it. False when none could be taken; the acceptor must not block.
   template <typename Refuse>
   bool refuse_next(boost::asio::ip::tcp::acceptor& acceptor, Refuse refuse) {
-    if (file_ < 0) take();
+    if (file_ < 0) reserve();
     if (file_ < 0) return false;
-    give_up();
+    release();
     boost::system::error_code error;
     {
       boost::asio::ip::tcp::socket socket(acceptor.get_executor());
       acceptor.accept(socket, error);
       if (!error) refuse(socket);
     }
-    take();
+    reserve();
     return !error;
   }
 
  private:
-  void take() { file_ = ::open("/dev/null", O_RDONLY | O_CLOEXEC); }
-  void give_up() {
+  void reserve() { file_ = ::open("/dev/null", O_RDONLY | O_CLOEXEC); }
+  void release() {
     if (file_ >= 0) ::close(file_);
     file_ = -1;
   }

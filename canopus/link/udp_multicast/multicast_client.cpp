@@ -51,7 +51,7 @@ class MulticastTransport final : public DatagramTransport {
     if (!failure) sender_.non_blocking(true, failure);
     if (failure)
       return failed("the group cannot be joined: " + failure.message() + " (a route to it? see `ip route`)");
-    take_socket(std::move(socket));
+    use_socket(std::move(socket));
     opened();
   }
   void disconnect() override {
@@ -85,7 +85,7 @@ class MulticastTransport final : public DatagramTransport {
       case MulticastMessage::Kind::frame: return received(message->frame, message->time);
       case MulticastMessage::Kind::error_frame: return;  // of another program's controller; ours has none
       case MulticastMessage::Kind::fd_frame:
-        if (!std::exchange(heard_fd_, true)) complain("CAN FD frames of this bus are left out");
+        if (!std::exchange(received_fd_, true)) complain("CAN FD frames of this bus are left out");
         return;
     }
   }
@@ -100,7 +100,7 @@ class MulticastTransport final : public DatagramTransport {
   Endpoint group_;
   Endpoint ours_;
   bool complained_ = false;
-  bool heard_fd_ = false;
+  bool received_fd_ = false;
 };
 
 }  // namespace

@@ -163,7 +163,7 @@ struct Fields {
   double time = 0;
 };
 
-bool take(Fields& fields, std::string_view key, const Value& value) {
+bool set_field(Fields& fields, std::string_view key, const Value& value) {
   using Kind = Value::Kind;
   const bool is_number = value.kind == Kind::number && !value.negative;
   const bool is_flag = value.kind == Kind::flag;
@@ -257,7 +257,7 @@ std::expected<MulticastMessage, std::string_view> read_multicast_datagram(
     const auto value = reader.value();
     if (!value) return std::unexpected(cut);
     const std::string_view name(reinterpret_cast<const char*>(key->bytes.data()), key->bytes.size());
-    if (!take(fields, name, *value)) return std::unexpected("a field of the message has another type");
+    if (!set_field(fields, name, *value)) return std::unexpected("a field of the message has another type");
     if (!reader.pass(*value)) return std::unexpected(cut);
   }
   if (!reader.empty()) return std::unexpected("there are bytes behind the message");

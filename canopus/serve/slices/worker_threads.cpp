@@ -31,7 +31,7 @@ void WorkerThreads::run(std::size_t count, const std::function<void(std::size_t)
   next_ = 0;
   count_ = unfinished_ = count;
   has_work_.notify_all();
-  take_part(lock);
+  work_while_possible(lock);
   is_done_.wait(lock, [this] { return unfinished_ == 0; });
   if (problem_) std::rethrow_exception(std::exchange(problem_, nullptr));
 }
@@ -41,11 +41,11 @@ void WorkerThreads::wait_for_work() {
   while (true) {
     has_work_.wait(lock, [this] { return is_over_ || next_ < count_; });
     if (is_over_) return;
-    take_part(lock);
+    work_while_possible(lock);
   }
 }
 
-void WorkerThreads::take_part(std::unique_lock<std::mutex>& lock) {
+void WorkerThreads::work_while_possible(std::unique_lock<std::mutex>& lock) {
   while (next_ < count_) {
     const std::size_t piece = next_++;
     lock.unlock();

@@ -26,7 +26,7 @@ class WorkerThreads {
  private:
   void wait_for_work();
   /// Takes pieces until none is left.
-  void take_part(std::unique_lock<std::mutex>& lock);
+  void work_while_possible(std::unique_lock<std::mutex>& lock);
 
   std::mutex mutex_;
   std::condition_variable has_work_;
