@@ -12,8 +12,9 @@ namespace canopus::plant {
 
 namespace {
 
-sim::DeviceOptions options_of(const eds::DeviceFile& file) {
+sim::DeviceOptions options_of(const eds::DeviceFile& file, const DeviceSection& section) {
   sim::DeviceOptions options;
+  options.node.accepts_short_sdo_requests = section.short_sdo_requests;
   options.node.permitted_pdo_identifier =
       canopen::permitted_pdo_identifier(eds::identity(file).device_type.value_or(0));
   return options;
@@ -25,7 +26,7 @@ DeviceOnBus::DeviceOnBus(std::shared_ptr<const eds::DeviceFile> file, const Devi
                          std::uint8_t node_id, can::Port& port, PlantObserver& observer)
     : port_(port),
       start_(can::Time{} + section.start),
-      device_(file, node_id, port, options_of(*file)),
+      device_(file, node_id, port, options_of(*file, section)),
       observer_(observer) {
   const std::string& product = device_.file().device.product_name;
   name_ = !section.name.empty() ? section.name : product;
@@ -35,6 +36,12 @@ DeviceOnBus::DeviceOnBus(std::shared_ptr<const eds::DeviceFile> file, const Devi
   alarm().add_part(device_.alarm());
   alarm() = start_;
   if (section.start > can::Duration{}) port.set_power(false);
+}
+
+void DeviceOnBus::warn(std::string_view sentence, can::Time now) {
+  const NodeLabel& label = status_.label;
+  observer_.on({now, Warning{fmt::format("{} node {} ({})", label.bus, label.node_id, label.name),
+                             std::string(sentence)}});
 }
 
 void DeviceOnBus::set_store(std::unique_ptr<store::ParameterFile> store) {
@@ -73,7 +80,7 @@ void DeviceOnBus::power_on(can::Time now) {
   port_.set_power(true);
   bit_rate_ = port_.bit_rate();
   device_.power_on(now);
-  look(now);
+  update(now);
 }
 
 void DeviceOnBus::unplug() {
@@ -96,7 +103,7 @@ void DeviceOnBus::plug_in(can::Time now) {
 void DeviceOnBus::receive(const can::Frame& frame, can::Time now) {
   if (!status_.is_on) return;
   device_.receive(frame, now);
-  look(now);
+  update(now);
 }
 
 void DeviceOnBus::transmitted(const can::Frame& frame, can::Time) {
@@ -105,13 +112,13 @@ void DeviceOnBus::transmitted(const can::Frame& frame, can::Time) {
 
 void DeviceOnBus::controller_changed(can::Time now) {
   device_.controller_changed(now);
-  look(now);
+  update(now);
 }
 
 void DeviceOnBus::tick(can::Time now) {
   if (!status_.is_on && start_ <= now) return power_on(now);
   device_.tick(now);
-  if (status_.is_on) look(now);
+  if (status_.is_on) update(now);
 }
 
 ForcedObject DeviceOnBus::forced_object(const canopen::Entry& entry, can::Time until) const {
@@ -134,15 +141,15 @@ void DeviceOnBus::value_released(const canopen::Entry& entry, can::Time now) {
 // The controller restarts, too: frames queued before are dropped.
 void DeviceOnBus::reset_requested(canopen::NmtCommand, can::Time) { port_.abort_transmissions(); }
 
-void DeviceOnBus::look_closer(can::Time now) {
-  if (device_.lss() != nullptr) look_at_lss(now);
+void DeviceOnBus::update_state(can::Time now) {
+  if (device_.lss() != nullptr) update_lss(now);
   if (device_.node().identifiers_revision() != accepted_revision_) accept();
   if (device_.node().state() == status_.state) return;
   status_.state = device_.node().state();
   observer_.on({now, NmtStateChange{status_.label, status_.state}});
 }
 
-void DeviceOnBus::look_at_lss(can::Time now) {
+void DeviceOnBus::update_lss(can::Time now) {
   const std::uint8_t node_id = device_.node().node_id();
   if (node_id == status_.label.node_id && port_.bit_rate() == bit_rate_) return;
   bit_rate_ = port_.bit_rate();

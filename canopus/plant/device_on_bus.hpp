@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/plant/node_registry.hpp"
@@ -31,6 +32,8 @@ class DeviceOnBus final : public can::Participant, private canopen::NodeListener
   void enable_lss(std::unique_ptr<store::ParameterFile> store);
   /// `watch` is notified when the node-ID changes.
   void set_watch(NodeRegistry& watch) noexcept { watch_ = &watch; }
+  /// A warning about the device in the plant's events.
+  void warn(std::string_view sentence, can::Time now);
   NodeStatus& status() noexcept { return status_; }
   const NodeStatus& status() const noexcept { return status_; }
 
@@ -58,15 +61,15 @@ class DeviceOnBus final : public can::Participant, private canopen::NodeListener
   void value_forced(const sim::Forcing::Force& force, can::Time now) override;
   void value_released(const canopen::Entry& entry, can::Time now) override;
 
-  void look(can::Time now) {
+  void update(can::Time now) {
     const canopen::Node& node = device_.node();
     const bool is_lss_slave = device_.lss() != nullptr;
     if (!is_lss_slave && node.identifiers_revision() == accepted_revision_ && node.state() == status_.state)
       return;
-    look_closer(now);
+    update_state(now);
   }
-  void look_closer(can::Time now);
-  void look_at_lss(can::Time now);
+  void update_state(can::Time now);
+  void update_lss(can::Time now);
   void accept();
 
   // Members that each tick needs are in the first cache line, and in one of the device.

@@ -250,7 +250,7 @@ std::vector<text::FileError> add_scripts(sim::Device& device, const std::vector<
   for (const ScriptSection& script : scripts) {
     if (const auto step = step_of(device, script, errors)) device.add_script_step(*step);
   }
-  return errors.take();
+  return errors.release();
 }
 
 std::expected<sim::Playback, CsvProblem> read_playback_csv(std::string_view text, const sim::Device& device,

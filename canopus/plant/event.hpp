@@ -82,9 +82,9 @@ struct LoadMeasured {
   std::string_view bus;
   can::BusLoad load;
 };
-/// At the start: something of the plant file that was probably not meant.
+/// Something that was probably not meant: at the start of the plant file, later of a drive that is to move and cannot.
 struct Warning {
-  std::string source;  ///< its place in the file
+  std::string source;  ///< its place in the file; a node
   std::string message;
 };
 /// A module reported an event to its CPU, for the event history.

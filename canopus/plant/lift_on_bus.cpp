@@ -18,11 +18,6 @@ void LiftOnBus::add_unit(DeviceOnBus& seat) {
   units_.push_back(&seat);
 }
 
-// With a mistake elsewhere a plant may lack devices; it is not started then.
-void LiftOnBus::unit_touched(std::size_t unit) {
-  if (unit < units_.size()) units_[unit]->device().application_changed();
-}
-
 void LiftOnBus::unit_plugged(std::size_t unit, bool plugged, can::Time now) {
   if (plugged) {
     units_[unit]->plug_in(now);

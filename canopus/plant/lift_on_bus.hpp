@@ -30,7 +30,6 @@ class LiftOnBus final : private sim::lift::LiftDevices, private sim::lift::LiftO
   void set_listener(sim::lift::LiftObserver* listener) noexcept { listener_ = listener; }
 
  private:
-  void unit_touched(std::size_t unit) override;
   void unit_plugged(std::size_t unit, bool plugged, can::Time now) override;
   void lift_event(const sim::lift::LiftEvent& event) override;
   void car_moved(std::uint8_t lift, double position, double door, can::Time now) override;

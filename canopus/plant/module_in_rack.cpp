@@ -71,8 +71,13 @@ ModuleInRack::ModuleInRack(const ModuleSection& section, std::string_view plc, p
 
 void ModuleInRack::collect_boots(std::vector<SlaveBoot>& all) const {
   for (const module::SlaveBootRecord& boot : module_->boots()) {
-    all.push_back({watch_.label(boot.node_id), status_.label, boot.record});
+    all.push_back({watch_.label(boot.node_id), status_.label, with_bit_rate(boot.node_id, boot.record)});
   }
+}
+
+manager::BootRecord ModuleInRack::with_bit_rate(std::uint8_t node_id, manager::BootRecord record) const {
+  record.wrong_bit_rate = watch_.wrong_bit_rate(node_id);
+  return record;
 }
 
 void ModuleInRack::supply_changed(bool on, can::Time now) {
@@ -84,7 +89,7 @@ void ModuleInRack::supply_changed(bool on, can::Time now) {
   after_stop_due_ = can::never;
   exchange_watch_.forget();
   program_.supply_changed(on, now);
-  look(now);
+  update(now);
 }
 
 void ModuleInRack::cpu_changed(module::CpuState state, can::Time now) {
@@ -99,13 +104,13 @@ void ModuleInRack::cpu_changed(module::CpuState state, can::Time now) {
     after_stop_ = AfterStop::not_started;
     after_stop_due_ = now + start_patience;
   }
-  look(now);
+  update(now);
 }
 
 void ModuleInRack::cpu_paused(bool paused, can::Time now) {
   if (paused) exchange_watch_.forget();
   program_.cpu_paused(paused, now);
-  look(now);
+  update(now);
 }
 
 ModuleStatus ModuleInRack::module_status(can::Time now) const {
@@ -131,7 +136,7 @@ std::optional<ModuleTrouble> ModuleInRack::trouble(can::Time now) const {
   std::string text = exchange_watch_.trouble(now);
   const bool works_by_registers = module_->registers() != nullptr;  // in RUN and STOP
   if (rack_.cpu_state() == module::CpuState::stop && status_.is_on && !works_by_registers) {
-    text = "no process data are exchanged: the CPU is in STOP";
+    text = "no process data exchange: the CPU is in STOP";
   } else if (rack_.is_paused() && section_.exchange) {
     text = "the built-in PLC program stands still: the CPU is in PAUSE";
   } else if (after_stop_ == AfterStop::reported) {
@@ -146,20 +151,21 @@ std::string ModuleInRack::not_started() const {
   const std::string_view state = canopen::name(status_.state);
   if (module_->start_up() == StartUp::none) {
     return fmt::format(
-        "no process data are exchanged: {} since the CPU's STOP, and RUN alone does not change that. The way "
-        "back: Start remote node by the network's NMT master",
+        "no process data exchange: {} since the CPU's STOP, and RUN alone does not change that. To "
+        "recover, start the node by the network's NMT master",
         state);
   }
   return fmt::format(
-      "no process data are exchanged: {} since the CPU's STOP, and RUN alone does not change that. The way "
-      "back: 05H to 1F82H:{:02X} of the module (request NMT, Start remote node to itself), or a restart",
+      "no process data exchange: {} since the CPU's STOP, and RUN alone does not change that. To "
+      "recover, write 05H to 1F82:{:02X} of the module (request NMT, Start remote node to itself), or "
+      "restart it",
       state, status_.label.node_id);
 }
 
 void ModuleInRack::receive(const can::Frame& frame, can::Time now) {
   module_->receive(frame, now);
   // Most frames on a bus carry process data, and change no state of the module.
-  if (module_->change_count() != changes_seen_ || !watched_.empty()) look(now);
+  if (module_->change_count() != changes_seen_ || !watched_.empty()) update(now);
 }
 
 void ModuleInRack::transmitted(const can::Frame& frame, can::Time now) {
@@ -169,7 +175,7 @@ void ModuleInRack::transmitted(const can::Frame& frame, can::Time now) {
 
 void ModuleInRack::controller_changed(can::Time now) {
   module_->controller_changed(now);
-  look(now);
+  update(now);
 }
 
 void ModuleInRack::tick(can::Time now) {
@@ -185,8 +191,8 @@ void ModuleInRack::tick(can::Time now) {
   }
   program_.tick(now);
   exchange_watch_.tick(now);
-  if (after_stop_due_ <= now) look_after_stop(now);
-  look(now);
+  if (after_stop_due_ <= now) check_after_stop(now);
+  update(now);
 }
 
 void ModuleInRack::signal_changed(module::SignalKind kind, unsigned number, bool on, can::Time now) {
@@ -212,10 +218,11 @@ void ModuleInRack::buffer_written(std::uint32_t address, std::uint16_t value, ca
 void ModuleInRack::slave_boot_went_on(std::uint8_t node_id, const manager::BootRecord& record,
                                       can::Time now) {
   BootSeen& seen = boots_seen_[node_id & 0x7F];
-  const bool is_news = seen.step != record.step || seen.attempts != record.attempts;
+  const bool is_new = seen.step != record.step || seen.attempts != record.attempts;
   seen = {record.step, record.attempts};
   status_.label.node_id = module_->node().node_id();
-  if (is_news) observer_.on({now, SlaveBootStep{watch_.label(node_id), status_.label, record}});
+  if (is_new)
+    observer_.on({now, SlaveBootStep{watch_.label(node_id), status_.label, with_bit_rate(node_id, record)}});
 }
 
 void ModuleInRack::event_logged(const module::ModuleEventRecord& record) {
@@ -230,12 +237,12 @@ void ModuleInRack::error_raised(std::string_view what, can::Time now) {
   observer_.on({now, Failure{name_, std::string(what)}});
 }
 
-void ModuleInRack::look(can::Time now) {
+void ModuleInRack::update(can::Time now) {
   changes_seen_ = module_->change_count();
-  program_.look(now);
-  exchange_watch_.look(now);
-  if (const auto text = exchange_watch_.take_report()) error_raised(*text, now);
-  look_at_state(now);
+  program_.update(now);
+  exchange_watch_.update(now);
+  if (const auto text = exchange_watch_.next_report()) error_raised(*text, now);
+  update_state(now);
   for (std::size_t i = 0; i < watched_.size(); ++i) {
     const std::uint16_t value = module_->buffer_memory()->peek(section_.watch[i], now);
     if (value == watched_[i]) continue;
@@ -244,7 +251,7 @@ void ModuleInRack::look(can::Time now) {
   }
 }
 
-void ModuleInRack::look_at_state(can::Time now) {
+void ModuleInRack::update_state(can::Time now) {
   status_.layer2 = module_->layer2_state();
   const bool canopen_mode = status_.layer2 == module::Layer2State::inactive;
   status_.label.node_id = canopen_mode ? module_->node().node_id() : std::uint8_t{0};
@@ -260,7 +267,7 @@ void ModuleInRack::look_at_state(can::Time now) {
 }
 
 // Slaves that are still being booted come first, and the module goes Operational after them by itself.
-void ModuleInRack::look_after_stop(can::Time now) {
+void ModuleInRack::check_after_stop(can::Time now) {
   if (module_->start_up() == StartUp::booting) {
     after_stop_due_ = now + start_patience;
     return;

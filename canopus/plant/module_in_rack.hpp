@@ -70,9 +70,11 @@ class ModuleInRack final : public can::Participant, public module::ModuleObserve
   void module_error(const module::ModuleErrorRecord& record) override;
 
  private:
-  void look(can::Time now);
-  void look_at_state(can::Time now);
-  void look_after_stop(can::Time now);
+  /// The record with a node of another bit rate on the bus, if there is one.
+  [[nodiscard]] manager::BootRecord with_bit_rate(std::uint8_t node_id, manager::BootRecord record) const;
+  void update(can::Time now);
+  void update_state(can::Time now);
+  void check_after_stop(can::Time now);
   [[nodiscard]] std::string not_started() const;
 
   /// The effect of the CPU's STOP on the module's NMT state.

@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/canopen/node/node.hpp"
 #include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/manager/boot/start_up_bits.hpp"
@@ -97,8 +99,8 @@ std::string others_of(const SlaveDescription& description, std::uint8_t node_id)
 void ModuleNetwork::preset(std::uint16_t index, std::uint8_t sub, std::uint32_t value, unsigned length) {
   const auto code = module_.preset_object(index, sub, canopen::little_endian(value, length));
   if (code == canopen::AbortCode::none) return;
-  refusals_.push_back(
-      fmt::format("{:04X}H:{:02X}H = {:X}H is refused: {}", index, sub, value, canopen::describe(code)));
+  refusals_.push_back(fmt::format("{} = {:X}H is refused: {}", canopen::object_text(index, sub), value,
+                                  canopen::describe(code)));
 }
 
 SlaveDescription SlaveDescription::of(const eds::DeviceFile& file, std::uint8_t node_id,
@@ -249,9 +251,9 @@ std::optional<ModuleNetwork::Refusal> ModuleNetwork::connect(const Direction& di
   unsigned& used = direction.receive ? receive_pdos_ : send_pdos_;
   const auto wanted = link.address ? layout.word(direction.first_word, *link.address) : next_word;
   if (!wanted || *wanted + words > layout.words) {
-    return Refusal{fmt::format("G{} is no place for {} words; expected G{} to G{}",
-                               link.address.value_or(layout.address(direction.first_word, next_word)), words,
-                               direction.first_word,
+    return Refusal{fmt::format("G{} is no place for {}; expected G{} to G{}",
+                               link.address.value_or(layout.address(direction.first_word, next_word)),
+                               ascii::counted(words, "word"), direction.first_word,
                                layout.address(direction.first_word, layout.words - words))};
   }
   if (used == layout.pdos) return Refusal{fmt::format("the module has no more than {} PDOs", layout.pdos)};
@@ -275,11 +277,11 @@ std::optional<ModuleNetwork::Refusal> ModuleNetwork::connect(const Direction& di
   preset(communication, 1, direction.module_cob_id_bits | identifier, 4);
   std::string name(description.name);
   if (description.module != nullptr) name += own_words(*description.module, mapped);
-  connections_.push_back(fmt::format("{}\\{} {} {}{} of node {}{}, {:03X}H, {} byte{}", slot_,
+  connections_.push_back(fmt::format("{}\\{} {} {}{} of node {}{}, {:03X}H, {}", slot_,
                                      words_text(layout, direction.first_word, first, words),
                                      direction.receive ? "<-" : "->", direction.slave_pdo, link.pdo,
                                      slave.node, name.empty() ? "" : fmt::format(" ({})", name), identifier,
-                                     length, length == 1 ? "" : "s"));
+                                     ascii::counted(length, "byte")));
   return std::nullopt;
 }
 

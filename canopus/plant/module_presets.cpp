@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/manager/boot/concise_dcf.hpp"
 #include "canopus/plant/module_network.hpp"
 #include "canopus/plant/plant_assembly.hpp"
@@ -55,7 +56,7 @@ std::vector<text::FileError> preset_words(module::CommunicationModule& module,
     errors.add(section.place, "module: watch: G{}: the {} has {} words of buffer memory", address, model,
                words);
   }
-  return errors.take();
+  return errors.release();
 }
 
 std::vector<text::FileError> preset_objects(module::CommunicationModule& module,
@@ -69,28 +70,28 @@ std::vector<text::FileError> preset_objects(module::CommunicationModule& module,
     const auto [index, sub] = setting.object;
     const canopen::Entry entry = objects.find(index, sub);
     if (!entry) {
-      errors.add(setting.place, "the {} has no object {:04X}H:{:02X}H", section.model, index, sub);
+      errors.add(setting.place, "the {} has no object {}", section.model, canopen::object_text(index, sub));
       continue;
     }
     const auto bytes = text::encode(setting.value, entry.description->type);
     if (!bytes) {
-      errors.add(setting.place, "{:04X}H:{:02X}H: {}", index, sub, bytes.error());
+      errors.add(setting.place, "{}: {}", canopen::object_text(index, sub), bytes.error());
     } else if (const auto code = module.preset_object(index, sub, *bytes); code != canopen::AbortCode::none) {
-      errors.add(setting.place, "{:04X}H:{:02X}H: the {} refuses the value: {}", index, sub, section.model,
-                 canopen::describe(code));
+      errors.add(setting.place, "{}: the {} refuses the value: {}", canopen::object_text(index, sub),
+                 section.model, canopen::describe(code));
     }
   }
-  return errors.take();
+  return errors.release();
 }
 
 std::vector<text::FileError> give_parameters(module::CommunicationModule& module,
                                              const ModuleSection& section) {
   text::FileErrors errors;
-  if (!section.parameters) return errors.take();
+  if (!section.parameters) return errors.release();
   const ParametersSection& parameters = *section.parameters;
   if (!module.takes_parameters()) {
     errors.add(parameters.place, "parameters: the {} takes none from its CPU", section.model);
-    return errors.take();
+    return errors.release();
   }
   for (const BufferSetting& setting : parameters.buffer) {
     if (module.parameter_word(setting.address, setting.value)) continue;
@@ -102,17 +103,17 @@ std::vector<text::FileError> give_parameters(module::CommunicationModule& module
     const auto [index, sub] = setting.object;
     const canopen::Entry entry = module.node().dictionary().description().find(index, sub);
     if (!entry) {
-      errors.add(setting.place, "parameters: the {} has no object {:04X}H:{:02X}H", section.model, index,
-                 sub);
+      errors.add(setting.place, "parameters: the {} has no object {}", section.model,
+                 canopen::object_text(index, sub));
       continue;
     }
     const auto bytes = text::encode(setting.value, entry.description->type);
     if (!bytes) {
-      errors.add(setting.place, "parameters: {:04X}H:{:02X}H: {}", index, sub, bytes.error());
+      errors.add(setting.place, "parameters: {}: {}", canopen::object_text(index, sub), bytes.error());
     } else if (const auto code = module.parameter_object(index, sub, *bytes);
                code != canopen::AbortCode::none) {
-      errors.add(setting.place, "parameters: {:04X}H:{:02X}H: the {} refuses the value: {}", index, sub,
-                 section.model, canopen::describe(code));
+      errors.add(setting.place, "parameters: {}: the {} refuses the value: {}",
+                 canopen::object_text(index, sub), section.model, canopen::describe(code));
     }
   }
   const module::DataExchangeLayout& words = module.program_interface().process_data;
@@ -130,7 +131,7 @@ std::vector<text::FileError> give_parameters(module::CommunicationModule& module
         words.transmit_first + block);
   }
   if (parameters.refresh) module.use_refresh();
-  return errors.take();
+  return errors.release();
 }
 
 std::vector<std::uint8_t> concise_dcf_of(const ParametersSection::Node& node,
@@ -149,12 +150,13 @@ std::vector<std::uint8_t> concise_dcf_of(const ParametersSection::Node& node,
     const auto [index, sub] = setting.object;
     const canopen::Entry entry = dictionary.find(index, sub);
     if (!entry) {
-      errors.add(setting.place, "parameters: node {} has no object {:04X}H:{:02X}H", node.node, index, sub);
+      errors.add(setting.place, "parameters: node {} has no object {}", node.node,
+                 canopen::object_text(index, sub));
       continue;
     }
     auto bytes = text::encode(setting.value, entry.description->type);
     if (!bytes) {
-      errors.add(setting.place, "parameters: {:04X}H:{:02X}H: {}", index, sub, bytes.error());
+      errors.add(setting.place, "parameters: {}: {}", canopen::object_text(index, sub), bytes.error());
       continue;
     }
     const bool is_cob_id = sub == 1 && (is_pdo(index, 0x1400) || is_pdo(index, 0x1800));

@@ -9,15 +9,15 @@
 
 namespace canopus::plant {
 
-void NodeRegistry::know(NodeStatus& status, const can::Port& port) {
+void NodeRegistry::add_node(NodeStatus& status, const can::Port& port) {
   occupants_.push_back({&status, &port});
-  know_number(status);
+  add_number(status);
 }
 
 void NodeRegistry::renumber(NodeStatus& status, std::uint8_t node_id) {
   std::ranges::replace(known_, &status, static_cast<NodeStatus*>(nullptr));
   status.label.node_id = node_id;
-  know_number(status);
+  add_number(status);
 }
 
 NodeLabel NodeRegistry::label(std::uint8_t node_id) const {
@@ -26,15 +26,26 @@ NodeLabel NodeRegistry::label(std::uint8_t node_id) const {
   return label;
 }
 
+manager::WrongBitRate NodeRegistry::wrong_bit_rate(std::uint8_t node_id) const {
+  manager::WrongBitRate wrong;
+  for (const auto& [status, port] : occupants_) {
+    if (!status->is_on || port->bit_rate() == bit_rate_) continue;
+    const bool is_it = status->label.node_id == node_id;
+    if (is_it || wrong.node_id == 0) wrong = {status->label.node_id, port->bit_rate(), bit_rate_};
+    if (is_it) break;
+  }
+  return wrong;
+}
+
 void NodeRegistry::frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) {
   unacknowledged_.frame_completed();
   last_errors_.clear();
   const std::uint32_t function = frame.identifier & 0x780;
-  if (function == canopen::cob_id::error_control || function == canopen::cob_id::emcy) hear(frame, end);
+  if (function == canopen::cob_id::error_control || function == canopen::cob_id::emcy) receive(frame, end);
 }
 
 /// Handles a frame with an identifier of error control or EMCY.
-void NodeRegistry::hear(const can::Frame& frame, can::Time end) {
+void NodeRegistry::receive(const can::Frame& frame, can::Time end) {
   const bool is_of_emcy = (frame.identifier & 0x780) == canopen::cob_id::emcy;
   const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
   if (frame.extended || frame.remote || node_id == 0 || is_plain_can()) return;
@@ -78,7 +89,7 @@ void NodeRegistry::controller_changed(const can::ControllerReport& report, can::
   observer_.on({now, ControllerChange{label_of(*report.port), report}});
 }
 
-void NodeRegistry::know_number(NodeStatus& status) {
+void NodeRegistry::add_number(NodeStatus& status) {
   const std::uint8_t node_id = status.label.node_id;
   if (node_id >= 1 && node_id <= 127) known_[node_id] = &status;
 }

@@ -10,7 +10,10 @@
 namespace canopus::plant {
 
 Plant::Plant() : parts_(std::make_unique<Parts>()) {}
-Plant::~Plant() = default;
+Plant::~Plant() {
+  for (const auto& execution : parts_->executions)
+    if (execution != nullptr) execution->save_retained();
+}
 
 std::expected<std::unique_ptr<Plant>, std::vector<text::FileError>> Plant::build(
     PlantFile file, PlantObserver& observer, std::optional<std::uint64_t> seed, BusOpener* opener) {
@@ -62,6 +65,7 @@ sim::Bus* Plant::simulated_bus(std::size_t number) noexcept { return parts_->sim
 const BusSection& Plant::bus_section(std::size_t number) const noexcept { return parts_->file.buses[number]; }
 std::size_t Plant::plc_count() const noexcept { return parts_->racks.size(); }
 plc::Rack& Plant::rack(std::size_t number) noexcept { return *parts_->racks[number]; }
+plc::ProgramExecution* Plant::program(std::size_t plc) noexcept { return parts_->executions[plc].get(); }
 const PlcSection& Plant::plc_section(std::size_t number) const noexcept { return parts_->file.plcs[number]; }
 const std::vector<std::string>& Plant::connections() const noexcept { return parts_->connections; }
 

@@ -36,8 +36,9 @@ struct ModuleErrorRecord;
 struct ModuleEventRecord;
 }  // namespace canopus::module
 namespace canopus::plc {
+class ProgramExecution;
 class Rack;
-}
+}  // namespace canopus::plc
 namespace canopus::sim {
 class Bus;
 }
@@ -201,6 +202,8 @@ class Plant {
   [[nodiscard]] const BusSection& bus_section(std::size_t number) const noexcept;
   [[nodiscard]] std::size_t plc_count() const noexcept;
   [[nodiscard]] plc::Rack& rack(std::size_t number) noexcept;
+  /// The program that the CPU runs; null: it has none of the user's.
+  [[nodiscard]] plc::ProgramExecution* program(std::size_t plc) noexcept;
   [[nodiscard]] const PlcSection& plc_section(std::size_t number) const noexcept;
   /// The simulated devices, in the plant file's order.
   [[nodiscard]] std::size_t device_count() const noexcept;

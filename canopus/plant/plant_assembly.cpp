@@ -52,11 +52,7 @@ std::vector<text::FileError> Assembly::run() {
   }
   for (std::size_t i = 0; i < parts_.file.plcs.size(); ++i) {
     can::Timeline& timeline = parts_.timeline_of(parts_.division.racks[i]);
-    parts_.racks.push_back(
-        std::make_unique<plc::Rack>(timeline, parts_.file.plcs[i].cpu_model, parts_.file.plcs[i].scan));
-    if (const PlcSection& plc = parts_.file.plcs[i]; !plc.store.empty() && plc.modules.empty()) {
-      warn(plc.store_place, "store = \"{}\": the PLC has no module that could store anything", plc.store);
-    }
+    add_rack(parts_.file.plcs[i], i);
     for (const ModuleSection& module : parts_.file.plcs[i].modules) {
       complete_ = complete_ && module.usable;
       if (module.usable) add_module(parts_.file.plcs[i], i, module);
@@ -83,7 +79,7 @@ std::vector<text::FileError> Assembly::run() {
     parts_.load_reports.push_back(std::make_unique<LoadReport>(*bus, observer_of(bus->name())));
     timeline_of(bus->name()).add(*parts_.load_reports.back(), "load report");
   }
-  return errors_.take();
+  return errors_.release();
 }
 
 void Assembly::add_bus(const BusSection& section) {
@@ -99,7 +95,7 @@ void Assembly::add_bus(const BusSection& section) {
       bus = std::move(*opened);
     } else {
       errors_.add(section.link_place, "{}: {}",
-                  section.link_by_option ? "--link " + section.link : "link = \"" + section.link + "\"",
+                  section.link_by_option ? "--bus " + section.link : "link = \"" + section.link + "\"",
                   opened.error());
     }
   }
@@ -111,7 +107,8 @@ void Assembly::add_bus(const BusSection& section) {
   }
   parts_.simulated.push_back(simulated);
   parts_.buses.push_back(std::move(bus));
-  parts_.watches.push_back(std::make_unique<NodeRegistry>(section.name, observer_of(section.name)));
+  parts_.watches.push_back(
+      std::make_unique<NodeRegistry>(section.name, section.bit_rate, observer_of(section.name)));
   parts_.buses.back()->add_observer(*parts_.watches.back());
 }
 
@@ -144,13 +141,13 @@ Assembly::File Assembly::configured(const File& file, const DeviceSection& secti
   for (const text::ObjectSetting& setting : section.objects) {
     const canopen::Entry entry = file->dictionary->find(setting.object.index, setting.object.sub);
     if (!entry) {
-      errors_.add(setting.place, "{} has no object {:04X}H:{:02X}H", section.eds, setting.object.index,
-                  setting.object.sub);
+      errors_.add(setting.place, "{} has no object {}", section.eds,
+                  canopen::object_text(setting.object.index, setting.object.sub));
       continue;
     }
     auto bytes = text::encode(setting.value, entry.description->type);
     if (!bytes) {
-      errors_.add(setting.place, "{:04X}H:{:02X}H: {}", setting.object.index, setting.object.sub,
+      errors_.add(setting.place, "{}: {}", canopen::object_text(setting.object.index, setting.object.sub),
                   bytes.error());
       continue;
     }
@@ -231,7 +228,8 @@ void Assembly::give_memory(const DeviceSection& section, std::uint8_t node_id, D
   seat.set_store(file_named(stored.name));
 }
 
-void Assembly::give_drive(const DriveSection& section, sim::Device& device) {
+void Assembly::give_drive(const DriveSection& section, DeviceOnBus& seat) {
+  sim::Device& device = seat.device();
   sim::ServoSettings settings{.start = section.start,
                               .low_switch = section.low_switch,
                               .high_switch = section.high_switch,
@@ -242,6 +240,8 @@ void Assembly::give_drive(const DriveSection& section, sim::Device& device) {
   }
   auto servo = sim::Servo::make(*device.file().dictionary, std::move(settings));
   if (!servo) return errors_.add(section.place, "drive: {}", servo.error());
+  (*servo)->set_standstill_report(
+      [&seat](std::string_view reason, can::Time now) { seat.warn(reason, now); });
   device.set_application(std::move(*servo));
 }
 
@@ -300,14 +300,14 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   can::Port& port = add_port(section, node, number);
   auto seat = std::make_unique<DeviceOnBus>(file, section, node, port, observer_of(section.bus));
   give_memory(section, node, *seat);
-  if (section.drive) give_drive(*section.drive, seat->device());
+  if (section.drive) give_drive(*section.drive, *seat);
   move_values(section, number, *seat);
   for (const PlaybackSection& playback : section.playbacks) play_back(playback, seat->device());
   errors_.add(add_scripts(seat->device(), section.scripts));
   timeline_of(section.bus).add(*seat);
   if (section.lift) parts_.lifts[section.lift->lift]->add_unit(*seat);
   port.connect(*seat);
-  watch(bus).know(seat->status(), port);
+  watch(bus).add_node(seat->status(), port);
   seat->set_watch(watch(bus));
   device_sections_.emplace_back(&section, seat.get());
   parts_.devices.push_back(std::move(seat));
@@ -357,7 +357,7 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
     errors_.add(section.place, "module: head {:03X}H overlaps another module's points", section.head);
   }
   seat->status().label.node_id = section.node;
-  watch(bus).know(seat->status(), port);
+  watch(bus).add_node(seat->status(), port);
   module_sections_.emplace_back(&section, seat.get());
   parts_.modules.push_back(std::move(seat));
   module_plcs_.push_back(plc_number);

@@ -68,9 +68,11 @@ class Assembly {
   std::uint8_t node_id(const DeviceSection& section, const eds::DeviceFile& file);
   can::Port& add_port(const DeviceSection& section, std::uint8_t node_id, std::size_t number);
   void give_memory(const DeviceSection& section, std::uint8_t node_id, DeviceOnBus& seat);
-  void give_drive(const DriveSection& section, sim::Device& device);
+  void give_drive(const DriveSection& section, DeviceOnBus& seat);
   void move_values(const DeviceSection& section, std::size_t number, DeviceOnBus& seat);
   void play_back(const PlaybackSection& section, sim::Device& device);
+  /// The rack of a PLC, with its program.
+  void add_rack(const PlcSection& plc, std::size_t number);
   void add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section);
   /// A slave of a master, as written in the plant file, or by slaves = "all".
   struct WantedSlave {
@@ -101,9 +103,9 @@ class Assembly {
   void review_buses();
   NodeRegistry& watch(const can::Bus& bus);
   /// The part of the plant that a bus of the plant file belongs to.
-  [[nodiscard]] std::size_t part_of(std::string_view bus) const;
-  can::Timeline& timeline_of(std::string_view bus) { return parts_.timeline_of(part_of(bus)); }
-  PlantObserver& observer_of(std::string_view bus) { return *parts_.events[part_of(bus)]; }
+  [[nodiscard]] std::size_t partition_of(std::string_view bus) const;
+  can::Timeline& timeline_of(std::string_view bus) { return parts_.timeline_of(partition_of(bus)); }
+  PlantObserver& observer_of(std::string_view bus) { return *parts_.events[partition_of(bus)]; }
   void divide();
   template <typename... T>
   void warn(text::Place place, fmt::format_string<T...> text, T&&... arguments) {

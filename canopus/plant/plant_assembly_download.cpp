@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/module/interface/download.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
@@ -52,18 +53,20 @@ class SlaveCompiler {
                               .event_timer = section.event_timer};
     const auto name = fmt::format("{}PDO{}", transmit ? "Tx" : "Rx", section.number);
     if (dictionary_.find(parameters) == nullptr)
-      errors_.add(section.place, "node {} has no {} ({:04X}H)", section_.node, name, parameters);
+      errors_.add(section.place, "node {} has no {} ({})", section_.node, name,
+                  canopen::object_name(parameters));
     const canopen::Entry count = dictionary_.find(mapping, 0);
     pdo.writes_mapping = count && canopen::is_writable(count.description->access);
     for (const DownloadSection::Object& mapped : section.objects) {
       const auto [index, sub] = mapped.object;
       const canopen::Entry entry = dictionary_.find(index, sub);
       if (!entry) {
-        errors_.add(mapped.place, "node {} has no object {:04X}H:{:02X}H", section_.node, index, sub);
+        errors_.add(mapped.place, "node {} has no object {}", section_.node,
+                    canopen::object_text(index, sub));
         continue;
       }
       if (!(transmit ? entry.description->tpdo_mappable : entry.description->rpdo_mappable)) {
-        errors_.add(mapped.place, "{:04X}H:{:02X}H of node {} cannot be mapped into {}", index, sub,
+        errors_.add(mapped.place, "{} of node {} cannot be mapped into {}", canopen::object_text(index, sub),
                     section_.node, transmit ? "a TxPDO" : "an RxPDO");
         continue;
       }
@@ -76,13 +79,13 @@ class SlaveCompiler {
     const auto [index, sub] = setting.object;
     const canopen::Entry entry = dictionary_.find(index, sub);
     if (!entry) {
-      errors_.add(setting.place, "auto_sdo: node {} has no object {:04X}H:{:02X}H", section_.node, index,
-                  sub);
+      errors_.add(setting.place, "auto_sdo: node {} has no object {}", section_.node,
+                  canopen::object_text(index, sub));
       return;
     }
     auto bytes = text::encode(setting.value, entry.description->type);
     if (!bytes) {
-      errors_.add(setting.place, "auto_sdo: {:04X}H:{:02X}H: {}", index, sub, bytes.error());
+      errors_.add(setting.place, "auto_sdo: {}: {}", canopen::object_text(index, sub), bytes.error());
     } else {
       slave.auto_sdos.push_back({index, sub, std::move(*bytes)});
     }
@@ -115,10 +118,10 @@ void advise_synchronous(const DownloadSection::Slave& slave, const DeviceSection
         pdo.objects, [&](const auto& mapped) { return changes_fast(device, mapped.object); });
     if (found == pdo.objects.end()) continue;
     warnings.push_back(
-        {pdo.place,
-         fmt::format("node {}: TxPDO{} of type {} is sent at each change of {:04X}H:{:02X}H, which changes "
-                     "all the time; a synchronous type (1 to 240) keeps the bus free",
-                     slave.node, pdo.number, pdo.type, found->object.index, found->object.sub)});
+        {pdo.place, fmt::format("node {}: TxPDO{} of type {} is sent at each change of {}, which changes "
+                                "all the time; a synchronous type (1 to 240) keeps the bus free",
+                                slave.node, pdo.number, pdo.type,
+                                canopen::object_text(found->object.index, found->object.sub))});
   }
 }
 
@@ -169,7 +172,7 @@ void Assembly::add_download(ModuleInRack& seat) {
     for (const std::string& error : entry.download(seat.module(), std::move(download), {}))
       found.add(section.download->place, "download: {}", error);
   }
-  errors_.add(found.take());
+  errors_.add(found.release());
 }
 
 }  // namespace canopus::plant

@@ -16,7 +16,8 @@ namespace canopus::plant {
 // One bus after the other: each node's dictionary is made for it.
 void Assembly::review_buses() {
   for (const BusSection& section : parts_.file.buses) {
-    ReviewedBus bus{.name = section.name, .may_have_others = section.may_have_others()};
+    ReviewedBus bus{
+        .name = section.name, .bit_rate = section.bit_rate, .may_have_others = section.may_have_others()};
     for (const auto& [module_section, seat] : module_sections_) {
       if (module_section->bus != section.name) continue;
       if (auto node = seat->module().initial_node()) {
@@ -198,7 +199,7 @@ void Assembly::add_outside_slave(const ModuleSection& master, const SlaveSection
   if (!slave.eds.empty()) {
     const File file = load(slave.eds, slave.eds_place);
     if (!file) return;
-    description = SlaveDescription::of(*file, slave.node, "outside of the plant");
+    description = SlaveDescription::of(*file, slave.node, "external node");
   }
   errors_.add(network.add_slave(slave, description, true));
 }

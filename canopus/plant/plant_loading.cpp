@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/words.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/text/file_text.hpp"
 #include "canopus/text/printable.hpp"
@@ -27,7 +28,7 @@ std::string bus_names(const PlantFile& plant) {
 /// Puts a bus on the link that the command line names. False after a mistake was printed.
 bool change_link(PlantFile& plant, std::string_view text, text::Output& err) {
   const auto wrong = [&](std::string_view what) {
-    err.line("canopus: --link {}: {}", text::printable(text), text::printable(what));
+    err.line("canopus: --bus {}: {}", text::printable(text), text::printable(what));
     return false;
   };
   // The name of a bus may hold a '=', an address may, too: the longest name that fits.
@@ -50,7 +51,7 @@ bool change_link(PlantFile& plant, std::string_view text, text::Output& err) {
       return wrong("expected BUS=ADDRESS with one of the buses " + bus_names(plant));
     bus = &plant.buses.front();
   }
-  if (bus->link_by_option) return wrong("this bus has a --link already");
+  if (bus->link_by_option) return wrong("this bus has a --bus already");
   // A path of the command line is relative to the working directory, not to the plant file.
   constexpr std::string_view replay = "replay:";
   std::error_code unknown;
@@ -63,6 +64,19 @@ bool change_link(PlantFile& plant, std::string_view text, text::Output& err) {
   return true;
 }
 
+/// What a file is that has the name of another kind, and the command for it; empty for others.
+std::string other_kind(const std::string& path) {
+  const std::string extension = ascii::lower(std::filesystem::path(path).extension().string());
+  const auto command = [&](std::string_view what, std::string_view words) {
+    return fmt::format("{}, not a plant file; use `canopus {} {}`", what, words, text::printable(path));
+  };
+  if (extension == ".eds" || extension == ".dcf" || extension == ".xdd" || extension == ".xdc")
+    return command("a device file", "eds check");
+  if (extension == ".cpj") return command("a project", "project check");
+  if (extension == ".xml") return command("a file of module settings", "configure check");
+  return {};
+}
+
 }  // namespace
 
 std::unique_ptr<Plant> load_plant(const std::string& path, PlantObserver& observer, text::Output& err,
@@ -72,7 +86,12 @@ std::unique_ptr<Plant> load_plant(const std::string& path, PlantObserver& observ
     err.line("canopus: {}", text.error());
     return nullptr;
   }
+  if (const std::string kind = other_kind(path); !use.text && !kind.empty()) {
+    err.line("canopus: {} is {}", text::printable(path), kind);
+    return nullptr;
+  }
   PlantReading reading = read_plant(*text, path);
+  for (PlcSection& plc : reading.plant.plcs) plc.allows_native_code = use.allows_native_code;
   std::vector<text::FileError> errors = std::move(reading.errors);
   if (errors.empty()) {
     for (const std::string& link : use.links) {

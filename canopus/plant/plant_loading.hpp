@@ -19,6 +19,7 @@ struct PlantUse {
   std::vector<std::string> links{};   ///< "line1=socketcan:can0"; with one bus "socketcan:can0"
   BusOpener* opener = nullptr;        ///< as in Plant::build()
   std::optional<std::string> text{};  ///< in place of the file's, which need not be there then
+  bool allows_native_code = false;    ///< its PLCs may run programs that are shared objects
 };
 
 /// The plant, switched off, or nullptr after its mistakes were printed on `err`.

@@ -13,7 +13,8 @@ namespace canopus::plant {
 namespace {
 
 constexpr std::string_view stall_text =
-    "asks for this moment without end and is stopped from here on. This is an error in Canopus: please "
+    "sets its deadline to this moment without end and is stopped from here on. This is an error in Canopus: "
+    "please "
     "report "
     "it with the plant file";
 
@@ -87,7 +88,7 @@ void Assembly::divide() {
   }
 }
 
-std::size_t Assembly::part_of(std::string_view bus) const {
+std::size_t Assembly::partition_of(std::string_view bus) const {
   const auto found = std::ranges::find(parts_.file.buses, bus, &BusSection::name);
   if (found == parts_.file.buses.end()) return 0;  // a mistake in the plant file
   return parts_.division.buses[static_cast<std::size_t>(found - parts_.file.buses.begin())];

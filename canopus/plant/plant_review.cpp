@@ -18,8 +18,17 @@ constexpr std::uint8_t most_mapped = 64;
 
 using Finding = void (*)(const ReviewedBus&, Warnings&);
 constexpr Finding findings[] = {
-    find_restricted_identifiers, find_missing_sync,   find_two_senders, find_cob_ids_of_another_node,
-    find_missing_heartbeats,     find_missing_slaves, find_two_masters, find_equal_lss_addresses,
+    find_restricted_identifiers,
+    find_missing_sync,
+    find_two_senders,
+    find_cob_ids_of_another_node,
+    find_missing_heartbeats,
+    find_missing_slaves,
+    find_two_masters,
+    find_equal_lss_addresses,
+    find_other_bit_rates,
+    find_drives_without_modes,
+    find_unmappable_objects,
 };
 
 }  // namespace
@@ -37,7 +46,8 @@ ReviewedNode reviewed(const DeviceSection& section, DeviceOnBus& seat) {
                     .settings = &section.objects,
                     .device = &section,
                     .file = &seat.device().file(),
-                    .is_lss_slave = seat.device().lss() != nullptr};
+                    .is_lss_slave = seat.device().lss() != nullptr,
+                    .bit_rate = section.bit_rate};
   const canopen::CobId sync{node.objects.get<std::uint32_t>(0x1005, 0)};
   node.produces_sync = node.drives && sync.has_bit_30() && !canopen::is_restricted(sync) &&
                        node.objects.get<std::uint32_t>(0x1006, 0) != 0;
@@ -52,7 +62,8 @@ ReviewedNode reviewed(const ModuleSection& section, std::string_view name,
                    .node_id = node.node_id,
                    .objects = std::move(node.objects),
                    .produces_sync = node.produces_sync,
-                   .settings = &section.objects};
+                   .settings = &section.objects,
+                   .bit_rate = node.bit_rate};
   all.pdos = active_pdos(all);
   return all;
 }

@@ -40,6 +40,7 @@ struct ReviewedNode {
   const eds::DeviceFile* file = nullptr;                       ///< its file,
   bool is_lss_slave = false;                                   ///< and whether LSS can set it
   std::vector<ReviewedPdo> pdos{};                             ///< active_pdos()
+  std::uint32_t bit_rate = 0;                                  ///< bit/s; 0: that of its bus
 };
 [[nodiscard]] ReviewedNode reviewed(const DeviceSection& section, DeviceOnBus& seat);
 [[nodiscard]] ReviewedNode reviewed(const ModuleSection& section, std::string_view name,
@@ -48,6 +49,7 @@ struct ReviewedNode {
 /// The CANopen nodes of a bus.
 struct ReviewedBus {
   std::string_view name;
+  std::uint32_t bit_rate = 0;  ///< bit/s; 0: not known
   std::vector<ReviewedNode> nodes{};
   bool may_have_others = false;         ///< other programs can be nodes of it, too
   bool has_plain_can = false;           ///< a module in a Layer 2 mode may send any frame
@@ -95,6 +97,12 @@ void find_missing_heartbeats(const ReviewedBus& bus, Warnings& warnings);
 void find_missing_slaves(const ReviewedBus& bus, Warnings& warnings);
 /// Two NMT masters that do not compete as flying masters.
 void find_two_masters(const ReviewedBus& bus, Warnings& warnings);
+/// Nodes with another bit rate than their bus.
+void find_other_bit_rates(const ReviewedBus& bus, Warnings& warnings);
+/// Drives ([device.drive]) whose 6502H has no mode that is simulated: they do not move.
+void find_drives_without_modes(const ReviewedBus& bus, Warnings& warnings);
+/// PDOs that map an object which the node does not have or that no such PDO can carry [CiA 301 7.5.2.36].
+void find_unmappable_objects(const ReviewedBus& bus, Warnings& warnings);
 /// LSS slaves that LSS cannot distinguish.
 void find_equal_lss_addresses(const ReviewedBus& bus, Warnings& warnings);
 

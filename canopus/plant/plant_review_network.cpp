@@ -63,7 +63,7 @@ void find_missing_heartbeats(const ReviewedBus& bus, Warnings& warnings) {
       }
       warnings.push_back(
           {place_of(node, 0x1016, static_cast<std::uint8_t>(sub)),
-           fmt::format("{}: 1016H:{:02X} waits for heartbeats of {}, {}", node.name, sub, who, why)});
+           fmt::format("{}: 1016:{:02X} waits for heartbeats of {}, {}", node.name, sub, who, why)});
     });
   }
 }
@@ -78,7 +78,7 @@ void find_missing_slaves(const ReviewedBus& bus, Warnings& warnings) {
       const bool is_mandatory = (value & assignment::mandatory) != 0;
       warnings.push_back(
           {place_of(node, 0x1F81, static_cast<std::uint8_t>(slave)),
-           fmt::format("{}: 1F81H:{:02X} assigns node {} as a slave, which is not on bus \"{}\"{}", node.name,
+           fmt::format("{}: 1F81:{:02X} assigns node {} as a slave, which is not on bus \"{}\"{}", node.name,
                        slave, slave, bus.name,
                        is_mandatory ? ": mandatory (bit 3), so the network does not start without it" : "")});
     });

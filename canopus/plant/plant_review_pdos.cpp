@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/canopen/service/device_profile.hpp"
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/eds/communication_defaults.hpp"
@@ -27,10 +28,10 @@ std::string can_id(CobId cob_id) {
                               : fmt::format("{:03X}H", cob_id.identifier());
 }
 
-/// "1014H", "1800H:01".
+/// "1014H", "1800:01".
 std::string entry_name(std::uint16_t index, std::uint8_t sub, CobIdUse use) {
   const bool is_variable = use == CobIdUse::sync || use == CobIdUse::time || use == CobIdUse::emcy;
-  return is_variable ? eds::object_name(index) : eds::object_name(index, sub);
+  return is_variable ? eds::object_name(index) : eds::object_text(index, sub);
 }
 
 /// Calls visit(index, sub, use, value) for each COB-ID of a node.
@@ -149,17 +150,18 @@ void find_missing_sync(const ReviewedBus& bus, Warnings& warnings) {
       if (pdo.transmission_type > highest_synchronous) continue;
       if (!pdo.transmit && !sent.contains(pdo.cob_id.key())) continue;
       if (waiting.empty()) place = place_of(node, pdo.index, 2);
-      waiting.push_back(fmt::format("{} ({:04X}H:02 = {})", name(pdo), pdo.index, pdo.transmission_type));
+      waiting.push_back(
+          fmt::format("{} ({} = {})", name(pdo), canopen::object_text(pdo.index, 2), pdo.transmission_type));
     }
     if (waiting.empty()) continue;
     std::string why;
     if (!has_sync) {
-      why =
-          fmt::format("its file has no 1005H, so it never hears it: transmission type {} works without SYNC",
-                      event_driven);
+      why = fmt::format(
+          "its file has no 1005H, so it never receives it: transmission type {} works without SYNC",
+          event_driven);
     } else {
       why = fmt::format(
-          "nobody on bus \"{}\" produces it{}: a producer has bit 30 of 1005H and 1006H set, and "
+          "no node on bus \"{}\" produces it{}: a producer has bit 30 of 1005H and 1006H set, and "
           "transmission type {} works without SYNC",
           bus.name, produced.empty() ? "" : fmt::format(" with CAN-ID {}, its 1005H", can_id(sync)),
           event_driven);
@@ -184,13 +186,13 @@ void find_two_senders(const ReviewedBus& bus, Warnings& warnings) {
       const bool both_sync = sent.index == 0x1005 && first.sent.index == 0x1005;
       const std::string_view consequence =
           both_sync
-              ? "the others hear it twice; clear bit 30 of one 1005H"
+              ? "the others receive it twice; clear bit 30 of one 1005H"
               : "receivers cannot distinguish them, and frames at one moment destroy each other; give each "
                 "a CAN-ID of its own";
       warnings.push_back(
           {place_of(node, sent.index, sent.sub),
            fmt::format("{}: {} ({}) has CAN-ID {}, and {} of {} (line {}) has it, too: {}", node.name,
-                       sent.what, eds::object_name(sent.index, sent.sub), can_id(CobId{sent.key}),
+                       sent.what, eds::object_text(sent.index, sent.sub), can_id(CobId{sent.key}),
                        first.sent.what, first.node->name, first.node->place.line, consequence)});
     }
   }

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include "canopus/plc/execution/program_execution.hpp"
 #include "canopus/store/file_memory.hpp"
 #include "canopus/text/file_name.hpp"
 
@@ -155,6 +156,20 @@ StoredAs PlantStores::claim(const PlcSection& plc, const ModuleSection& module,
   return {found->path / mine.name, {}, mine.owner};
 }
 
+StoredAs PlantStores::claim(const PlcSection& plc, text::FileErrors& errors) {
+  const Folder* found = folder(plc.store, plc.store_place, errors);
+  if (found == nullptr) return {};
+  Claim mine{.place = plc.store_place,
+             .owner = plc.name.empty() ? "the program of a PLC without a name"
+                                       : fmt::format("the program of PLC \"{}\"", plc.name),
+             .name = plc.name.empty() ? "program" : text::file_name_of(plc.name) + ".program",
+             .old_name = {}};
+  mine.old_name = mine.name;
+  constexpr std::array<std::string_view, 1> names{plc::ProgramExecution::retained_name};
+  claim(*found, mine, {.in_own_folder = true, .names = names}, errors);
+  return {found->path / mine.name, {}, mine.owner};
+}
+
 void PlantStores::review(text::FileErrors& errors, std::vector<text::FileWarning>& warnings) const {
   for (const auto& [key, found] : folders_) {
     const auto claimed = claims_.find(key);
@@ -198,15 +213,15 @@ void PlantStores::review(text::FileErrors& errors, std::vector<text::FileWarning
     const std::size_t count = unknown.size();
     if (count > enough) unknown.resize(enough);
     warnings.push_back(
-        {found.place, fmt::format("store = \"{}\": nobody in this plant owns {}{} there", found.written,
-                                  fmt::join(unknown, ", "), count > enough ? ", ..." : "")});
+        {found.place, fmt::format("store = \"{}\": no device or module of this plant owns {}{} there",
+                                  found.written, fmt::join(unknown, ", "), count > enough ? ", ..." : "")});
   }
 }
 
 std::vector<text::FileError> PlantStores::open() {
   text::FileErrors errors;
   for (const auto& [key, found] : folders_) {
-    auto lock = store::FolderLock::take(found.path);
+    auto lock = store::FolderLock::acquire(found.path);
     if (!lock) {
       errors.add(found.place, "store = \"{}\": {}", found.written, lock.error());
       continue;
@@ -225,7 +240,7 @@ std::vector<text::FileError> PlantStores::open() {
       }
     }
   }
-  return errors.take();
+  return errors.release();
 }
 
 }  // namespace canopus::plant

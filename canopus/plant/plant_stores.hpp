@@ -6,6 +6,7 @@
 //   state/.lock                              the run that uses the folder (store/folder_lock.hpp)
 //   state/line1.encoder.node-003             bus, name, node-ID (or LSS address); .lss: what LSS stored
 //   state/rack1.U000-ME3CAN1-Q/              PLC, head address, model
+//   state/rack1.program/                     RETAIN variables of the PLC's program
 //
 // Earlier versions named node-003 and U000-ME3CAN1-Q alone: a run takes those over, if only one owner can be
 // meant.
@@ -46,6 +47,8 @@ class PlantStores {
   /// Claims the storage of a module of a PLC with a `store`; `names` are the files in its folder.
   [[nodiscard]] StoredAs claim(const PlcSection& plc, const ModuleSection& module,
                                std::span<const std::string_view> names, text::FileErrors& errors);
+  /// Claims the storage of the RETAIN variables of a PLC with a `store`: a folder of their own.
+  [[nodiscard]] StoredAs claim(const PlcSection& plc, text::FileErrors& errors);
   /// Call it after the last claim: reports files with two possible owners, and files without an owner.
   void review(text::FileErrors& errors, std::vector<text::FileWarning>& warnings) const;
 

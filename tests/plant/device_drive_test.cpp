@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "canopus/plant/device_on_bus.hpp"
+#include "canopus/plant/event.hpp"
 
 #include "paths.hpp"
 #include "support/plant_folder.hpp"
@@ -65,10 +66,10 @@ TEST_F(DeviceDrive, EachMistakeIsSaidWithItsPlace) {
   EXPECT_THAT(check(device() + "drive = 5\n"),
               ElementsAre(HasSubstr(":8:9: drive = 5: expected a table, written as [device.drive]")));
   EXPECT_THAT(check(device("io-block.eds") + "[device.drive]\n"),
-              ElementsAre(HasSubstr(":8:1: drive: a drive needs the object 6040H:00")));
+              ElementsAre(HasSubstr(":8:1: drive: a drive needs the object 6040:00")));
   EXPECT_THAT(
       check(device() + "[device.drive]\n[[device.behaviour]]\nobject = \"6064:00\"\nkind = \"sine\"\n"),
-      ElementsAre(HasSubstr("behaviour: 6064H:00 is moved by the device itself")));
+      ElementsAre(HasSubstr("behaviour: 6064:00 is moved by the device itself")));
   EXPECT_THAT(check(device() + "[device.drive]\nlow_switch = -5.5\nrevolution = 100\n"), IsEmpty());
 }
 
@@ -96,6 +97,59 @@ TEST_F(DeviceDrive, AFaultComesAtItsTime) {
   plant_->timeline().run_until(can::Time{2520ms});
   EXPECT_EQ(value<std::uint16_t>(0x6041) & 0x4F, 0x08);
   EXPECT_EQ(value<std::int32_t>(0x6064), 460) << "450, and 1000/s braked at 50,000/s²";
+}
+
+/// Warnings of the run.
+class StandingDrive : public DeviceDrive {
+ protected:
+  void on(const Event& event) override {
+    if (const auto* const warning = std::get_if<Warning>(&event.what); warning != nullptr)
+      warnings.push_back(
+          fmt::format("{} {}: {}", event.time.time_since_epoch() / 1ms, warning->source, warning->message));
+  }
+  std::vector<std::string> why(std::string_view scripts, std::string_view objects = "") {
+    warnings.clear();
+    run(device() + std::string(objects) + "[device.drive]\n" + std::string(scripts), 4000ms);
+    return std::move(warnings);
+  }
+  std::vector<std::string> warnings;
+};
+
+const std::string enable =
+    force("1.1s", "6040:00", "6") + force("1.2s", "6040:00", "7") + force("1.3s", "6040:00", "15");
+
+TEST_F(StandingDrive, ThatMoves_SaysNothing) { EXPECT_THAT(why(travel), IsEmpty()); }
+
+TEST_F(StandingDrive, WithoutSupportedModes_SaysSoOnceWhenItIsEnabled) {
+  EXPECT_THAT(why(travel, "objects = { \"6502:00\" = 0 }\n"),
+              ElementsAre(AllOf(
+                  HasSubstr("1300 line1 node 3 (axis): does not move: its 6502:00 (supported drive modes)"),
+                  HasSubstr("so 6061:00 stays \"no mode\""))));
+}
+
+TEST_F(StandingDrive, WithoutAMode_SaysSoOnceWhenItIsToMove) {
+  EXPECT_THAT(
+      why(enable + force("2s", "6040:00", "31") + force("2.5s", "6040:00", "15") +
+              force("3s", "6040:00", "31"),
+          "objects = { \"6060:00\" = 0 }\n"),
+      ElementsAre(HasSubstr("2000 line1 node 3 (axis): does not move: 6060:00 (modes of operation) is 0")));
+  EXPECT_THAT(why(enable + force("2s", "60FF:00", "100"), "objects = { \"6060:00\" = 8 }\n"),
+              ElementsAre(HasSubstr(
+                  "2000 line1 node 3 (axis): does not move: 6060:00 (modes of operation) asks for a "
+                  "mode that is not simulated")));
+}
+
+TEST_F(StandingDrive, ThatIsNotEnabled_SaysSo) {
+  EXPECT_THAT(why(force("1s", "6060:00", "1") + force("2s", "6040:00", "31")),
+              ElementsAre(HasSubstr(
+                  "2000 line1 node 3 (axis): does not move: a set point or a speed comes while it is "
+                  "not enabled; expected 6040:00 = 6, 7 and 15")));
+}
+
+TEST_F(StandingDrive, WithoutASpeed_SaysSo) {
+  EXPECT_THAT(
+      why(travel, "objects = { \"6081:00\" = 0 }\n"),
+      ElementsAre(HasSubstr("2000 line1 node 3 (axis): does not move: 6081:00 (profile velocity) is 0")));
 }
 
 }  // namespace

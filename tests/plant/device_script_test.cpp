@@ -118,7 +118,7 @@ TEST_F(DeviceScript, EachMistakeIsSaidWithItsPlace) {
   says("at = \"1s\"\nset = { object = \"2006\", value = 1 }\n", "is of type VISIBLE_STRING, not a number");
   says("at = \"1s\"\nset = { object = \"1018:01\", value = 1 }\n",
        "expected a process value, 2000H to FFFFH");
-  says("at = \"1s\"\nset = { object = \"3000\", value = 1 }\n", "the device has no object 3000H:00");
+  says("at = \"1s\"\nset = { object = \"3000\", value = 1 }\n", "the device has no object 3000:00");
   says("at = \"1s\"\nset = { object = \"Lvel\", value = 1 }\n", "the device has no value \"Lvel\"");
   says("at = \"1s\"\nset = { object = \"twin\", value = 1 }\n",
        "\"twin\" is the name of more than one object; expected one of 2004:00, 2005:00");
@@ -161,7 +161,7 @@ TEST_F(DeviceScript, ABadFileIsSaidWithLineAndColumn) {
   says("", "x.csv:1:1: the file is empty; expected a header row");
   says("\n\ntime\n", "x.csv:3:1: expected a header row: the time, then objects");
   says("time,2000:00\n", "x.csv:1:1: there is no row behind the header row");
-  says("time,9999\n0,1\n", "x.csv:1:6: the device has no object 9999H:00");
+  says("time,9999\n0,1\n", "x.csv:1:6: the device has no object 9999:00");
   says("time,2000,Level\n0,1,1\n", "x.csv:1:11: 2000:00 has a column already");
   says("time,2000\n0,1,2\n", "x.csv:2:5: 3 fields; expected 2, as the header row has");
   says("time,2000\n0\n", "x.csv:2:2: 1 fields; expected 2");
@@ -176,7 +176,7 @@ TEST_F(DeviceScript, ABadFileIsSaidWithLineAndColumn) {
   EXPECT_THAT(check(head + "[[device.playback]]\nfile = \"none.csv\"\n"),
               ElementsAre(HasSubstr("plant.toml:9:8: playback: file = \"none.csv\": No such file")));
   EXPECT_THAT(csv("time,2000\n0,1\n", "[[device.behaviour]]\nobject = \"2000:00\"\nkind = \"sine\"\n"),
-              ElementsAre(HasSubstr("2000H:00 moves already")));
+              ElementsAre(HasSubstr("2000:00 moves already")));
 }
 
 TEST_F(DeviceScript, AFileHasALimit) {
@@ -192,28 +192,29 @@ TEST_F(DeviceScript, AFileHasALimit) {
 
 class DeviceControlTest : public DeviceScript {
  protected:
-  std::string ask(std::string_view request) { return serve::DeviceControl(*plant_).answer(request); }
+  std::string answer_to(std::string_view request) { return serve::DeviceControl(*plant_).answer(request); }
 };
 
 TEST_F(DeviceControlTest, AValueIsForcedLookedAtAndReleased) {
   start(head);
   run_until(1s);
-  EXPECT_EQ(ask(R"({"request":"set","id":7,"device":"io","object":"2000:00","value":3,"for":"200ms"})"),
+  EXPECT_EQ(answer_to(R"({"request":"set","id":7,"device":"io","object":"2000:00","value":3,"for":"200ms"})"),
             R"({"id":7,"ok":true,"t":1.0,"bus":"line1","node":2,"name":"io","objects":[{"object":"2000:00",)"
             R"("name":"Level","type":"UNSIGNED8","value":3,"forced":true,"beneath":0,"until":1.2}]})"
             "\n");
-  EXPECT_EQ(ask(R"({"request":"get","device":"2","object":"level"})"),
+  EXPECT_EQ(answer_to(R"({"request":"get","device":"2","object":"level"})"),
             R"({"ok":true,"t":1.0,"bus":"line1","node":2,"name":"io","objects":[{"object":"2000:00",)"
             R"("name":"Level","type":"UNSIGNED8","value":3,"forced":true,"beneath":0,"until":1.2}]})"
             "\n");
-  EXPECT_THAT(ask(R"({"request":"list"})"),
+  EXPECT_THAT(answer_to(R"({"request":"list"})"),
               HasSubstr(R"("devices":[{"bus":"line1","node":2,"name":"io","state":)"));
-  EXPECT_THAT(ask(R"({"request":"release","device":"line1:2"})"), HasSubstr(R"("value":0,"forced":false)"));
-  EXPECT_THAT(ask(R"({"request":"set","device":"io","object":"2002","value":-0.5})"),
+  EXPECT_THAT(answer_to(R"({"request":"release","device":"line1:2"})"),
+              HasSubstr(R"("value":0,"forced":false)"));
+  EXPECT_THAT(answer_to(R"({"request":"set","device":"io","object":"2002","value":-0.5})"),
               HasSubstr(R"("value":-0.5)"));
-  EXPECT_THAT(ask(R"({"request":"set","device":"io","object":"2003","value":true})"),
+  EXPECT_THAT(answer_to(R"({"request":"set","device":"io","object":"2003","value":true})"),
               HasSubstr(R"("value":true)"));
-  EXPECT_THAT(ask(R"({"request":"set","device":"io","object":"2001","value":"-7"})"),
+  EXPECT_THAT(answer_to(R"({"request":"set","device":"io","object":"2001","value":"-7"})"),
               HasSubstr(R"("value":-7)"));
   EXPECT_EQ(plant_->forced().size(), 3U);
 }
@@ -221,7 +222,7 @@ TEST_F(DeviceControlTest, AValueIsForcedLookedAtAndReleased) {
 TEST_F(DeviceControlTest, ATimedForceEndsByItself) {
   start(head);
   run_until(1s);
-  ask(R"({"request":"set","device":"io","object":"2000:00","value":3,"for":"200ms"})");
+  answer_to(R"({"request":"set","device":"io","object":"2000:00","value":3,"for":"200ms"})");
   run_until(2s);
   EXPECT_THAT(events_, ElementsAre("1000000 line1 node 2 (io): 2000:00 (Level) forced to 3 until 1.200 s",
                                    "1200000 2000:00 released, 0"));
@@ -232,7 +233,7 @@ TEST_F(DeviceControlTest, EveryWrongRequestIsAnswered) {
         "[[device]]\nname = \"io\"\nnode = 3\neds = \"io.eds\"\n"
         "[[plc]]\nlisten = \"off\"\n[[plc.module]]\nname = \"rack1\"\nmodel = \"ME3CAN1-Q\"\nnode = 1\n");
   const auto says = [&](std::string_view request, std::string_view error) {
-    const std::string answer = ask(request);
+    const std::string answer = answer_to(request);
     EXPECT_THAT(answer, AllOf(HasSubstr(R"("ok":false)"), HasSubstr(error))) << request;
     EXPECT_EQ(std::count(answer.begin(), answer.end(), '\n'), 1) << answer;
   };
@@ -261,7 +262,7 @@ TEST_F(DeviceControlTest, EveryWrongRequestIsAnswered) {
        "\\\"until\\\" is no field of this request");
   says(R"({"request":"release","device":"3","object":"2000"})", "2000:00 is not forced");
   EXPECT_THAT(plant_->forced(), IsEmpty());
-  EXPECT_EQ(ask(R"({"request":"get","device":"x\u001b"})").find('\x1B'), std::string::npos);
+  EXPECT_EQ(answer_to(R"({"request":"get","device":"x\u001b"})").find('\x1B'), std::string::npos);
 }
 
 // [RJ71CN91 5.2] Module Information List: LEDs, function mode, baud rate ("-" while Layer 2 is offline), node-ID.
@@ -276,7 +277,7 @@ TEST_F(DeviceControlTest, ModulesAreShownAsModuleDiagnosticsShowThem) {
   run_until(2s);
   using Json = nlohmann::json;
   const auto modules = [&](std::string_view request = R"({"request":"modules"})") {
-    return Json::parse(ask(request))["modules"];
+    return Json::parse(answer_to(request))["modules"];
   };
   Json all = modules();
   ASSERT_EQ(all.size(), 2U);
@@ -326,10 +327,10 @@ TEST_F(DeviceControlTest, ModulesAreShownAsModuleDiagnosticsShowThem) {
     for (const char* key : {"function_mode", "bit_rate", "node"}) EXPECT_EQ(module.at(key), nullptr) << key;
     for (const Json& led : module.at("leds")) EXPECT_EQ(led.at("pattern"), "off");
   }
-  EXPECT_THAT(ask(R"({"request":"modules","module":"plane"})"),
+  EXPECT_THAT(answer_to(R"({"request":"modules","module":"plane"})"),
               HasSubstr(R"(the plant has no module \"plane\"; did you mean \"plain\"?)"));
-  EXPECT_THAT(ask(R"({"request":"modules","module":3})"), HasSubstr("module: expected a string"));
-  EXPECT_THAT(ask(R"({"request":"modules","node":3})"), HasSubstr("is no field of this request"));
+  EXPECT_THAT(answer_to(R"({"request":"modules","module":3})"), HasSubstr("module: expected a string"));
+  EXPECT_THAT(answer_to(R"({"request":"modules","node":3})"), HasSubstr("is no field of this request"));
 }
 
 TEST_F(DeviceControlTest, TheKeyOfThePlantFileSaysWhereItListens) {

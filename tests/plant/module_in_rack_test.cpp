@@ -126,7 +126,7 @@ TEST(ModuleNetwork, OfAnotherLayout_NamesItsOwnLimits) {
   EXPECT_THAT(described(network.add_slave(slave, three_byte_device(), "io", true)),
               ElementsAre("plant.toml:9:1: TPDO1 of node 5: G507 is no place for 2 words; expected G500 to "
                           "G506",
-                          "plant.toml:10:1: RPDO1 of node 5: G599 is no place for 1 words; expected G600 to "
+                          "plant.toml:10:1: RPDO1 of node 5: G599 is no place for 1 word; expected G600 to "
                           "G607"));
   slave.send.clear();
   slave.receive = {{.place = {11, 1}, .pdo = 1},
@@ -147,7 +147,7 @@ TEST(ModuleInRack, OfAModuleWithoutSignals_LetsTheBuiltInProgramWork) {
     }
     std::vector<std::string> events;
   } watcher;
-  const NodeRegistry bus("line1", watcher);
+  const NodeRegistry bus("line1", 250'000, watcher);
   const ModuleSection section{
       .model = "FAKE", .head = 0x20, .exchange = 10ms, .writes = {{{}, 100, 7}}, .watch = {500}};
   auto owned = std::make_unique<support::FakeCommunicationModule>();
@@ -171,7 +171,7 @@ TEST(ModuleInRack, OfAModuleWithoutSignals_LetsTheBuiltInProgramWork) {
 TEST(ModuleInRack, InPause_SaysThatTheBuiltInProgramStandsStill) {
   struct Observer final : PlantObserver {
   } observer;
-  const NodeRegistry bus("line1", observer);
+  const NodeRegistry bus("line1", 250'000, observer);
   for (const bool has_program : {true, false}) {
     ModuleSection section{.model = "FAKE", .head = 0x20};
     if (has_program) section.exchange = 10ms;

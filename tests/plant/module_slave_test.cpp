@@ -129,7 +129,7 @@ TEST_F(ModuleSlave, OutsideOfThePlant_IsAssignedAndWithAFileConnected) {
       << "nothing is known of it";
   start(std::string(served) + master(slave("node = 9\neds = \"io.eds\"\nreceive = [1]\n")));
   EXPECT_THAT(plant_->connections(),
-              ElementsAre("rack1 U0\\G10000 <- TPDO1 of node 9 (outside of the plant), 189H, 2 bytes"));
+              ElementsAre("rack1 U0\\G10000 <- TPDO1 of node 9 (external node), 189H, 2 bytes"));
   run(3s);
   ASSERT_EQ(plant_->boots().size(), 1U);
   EXPECT_EQ(plant_->boots()[0].slave.node_id, 9);
@@ -143,14 +143,13 @@ TEST_F(ModuleSlave, OutsideOfThePlant_WhatCannotBeIsSaid) {
   EXPECT_THAT(
       check(std::string(head) + master(slave("node = 9\n"))),
       ElementsAre("plant.toml:14:8: slave: there is no device or module with node = 9 on bus \"line1\"; "
-                  "for a node outside of the plant the bus needs serve or link"));
+                  "for an external node the bus needs serve or link"));
   EXPECT_THAT(
       check(std::string(served) + master(slave("node = 9\neds = \"none.eds\"\n"))),
       ElementsAre(AllOf(HasSubstr("plant.toml:16:7: eds = \"none.eds\": "), HasSubstr("No such file"))));
-  EXPECT_THAT(
-      check(std::string(served) + master(slave("node = 2\neds = \"io.eds\"\n")) + second),
-      ElementsAre("plant.toml:16:7: slave: eds is for a node outside of the plant; node 2 is in the plant "
-                  "file, in line 20"));
+  EXPECT_THAT(check(std::string(served) + master(slave("node = 2\neds = \"io.eds\"\n")) + second),
+              ElementsAre("plant.toml:16:7: slave: eds is for an external node; node 2 is in the plant "
+                          "file, in line 20"));
 }
 
 TEST_F(ModuleSlave, EachWrongUseIsSaidWithItsPlace) {

@@ -177,11 +177,10 @@ TEST_F(PresetObjects, AreRefusedAsAWriteWouldBe) {
   EXPECT_THAT(with("\"1017:00\" = 500"), testing::IsEmpty());
   EXPECT_THAT(
       with("\"1018:01\" = 1"),
-      ElementsAre(HasSubstr("1018H:01H: the ME3CAN1-Q refuses the value: write of a read-only object")));
+      ElementsAre(HasSubstr("1018:01: the ME3CAN1-Q refuses the value: write of a read-only object")));
   EXPECT_THAT(with("\"1F80:00\" = 0x80000000"),
-              ElementsAre(HasSubstr("1F80H:00H: the ME3CAN1-Q refuses the value: ")));
-  EXPECT_THAT(with("\"1000:00\" = 1"),
-              ElementsAre(HasSubstr("1000H:00H: the ME3CAN1-Q refuses the value: ")));
+              ElementsAre(HasSubstr("1F80:00: the ME3CAN1-Q refuses the value: ")));
+  EXPECT_THAT(with("\"1000:00\" = 1"), ElementsAre(HasSubstr("1000:00: the ME3CAN1-Q refuses the value: ")));
 }
 
 }  // namespace

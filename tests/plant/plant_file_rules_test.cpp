@@ -144,7 +144,8 @@ TEST(PlantFile, AWrongBitDriver_IsToldWithItsField) {
       errors_of(bus + "bits = \"012\"\n"),
       ElementsAre("plant.toml:6:8: bits = character 3: expected 0 (dominant), 1 (released), R (forced "
                   "recessive), * or blanks"));
-  EXPECT_THAT(errors_of(bus), ElementsAre("plant.toml:4:1: bus.fault: bits is missing; expected a string"));
+  EXPECT_THAT(errors_of(bus),
+              ElementsAre("plant.toml:4:1: bus.fault: bits is missing; expected text in quotes"));
   EXPECT_THAT(
       errors_of(bus + "bits = \"0\"\nfield = \"CRD\"\n"),
       ElementsAre("plant.toml:7:9: field = \"CRD\": expected one of SOF, ID.28-21, ID.20-18, RTR, IDE, "
@@ -233,9 +234,9 @@ TEST(PlantFile, WrongAllow_IsAnErrorAtTheNetwork) {
       ElementsAre(
           HasSubstr("plant.toml:3:10: allow: \"10.0.0.7/8\" has bits behind its prefix; expected 10.0.0.0/8"),
           "plant.toml:4:3: allow: 7: expected networks such as \"192.168.1.0/24\""));
-  EXPECT_THAT(
-      errors_with_bus("[[plc]]\nlisten = \"off\"\nallow = \"10.0.0.7\"\n"),
-      ElementsAre("plant.toml:3:9: allow = \"10.0.0.7\": nobody can connect; listen says where it listens"));
+  EXPECT_THAT(errors_with_bus("[[plc]]\nlisten = \"off\"\nallow = \"10.0.0.7\"\n"),
+              ElementsAre("plant.toml:3:9: allow = \"10.0.0.7\": no client can connect: listen is missing, "
+                          "the address where it listens"));
 }
 
 TEST(PlantFile, CpuModelAndDevices_AreTheCpus) {
@@ -289,22 +290,25 @@ TEST(PlantFile, AModuleThatDoesNotFitIntoTheRack_AndAPlaceThatIsNone_AreErrors) 
                            "\"\n[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nnode = 1\n" + std::string(place));
   };
   EXPECT_THAT(module("Q", "head = 0x30\n"), IsEmpty());
-  const std::string no_fit =
-      "plant.toml:4:9: model = \"ME3CAN1-Q\": fits into a rack of the family Q or iQ-R; this one is ";
-  EXPECT_THAT(module("FX3", "position = 7\n"), ElementsAre(no_fit + "FX3"));
-  EXPECT_THAT(module("AS300", "card = 2\n"), ElementsAre(no_fit + "AS300"));
+  const auto no_fit = [](std::string_view family) {
+    return "plant.toml:4:9: model = \"ME3CAN1-Q\": its [[plc]] needs family = \"Q\" or \"iQ-R\"; this one "
+           "has \"" +
+           std::string(family) + "\"";
+  };
+  EXPECT_THAT(module("FX3", "position = 7\n"), ElementsAre(no_fit("FX3")));
+  EXPECT_THAT(module("AS300", "card = 2\n"), ElementsAre(no_fit("AS300")));
   EXPECT_THAT(
       module("FX3", "position = 8\n"),
       ElementsAre(
-          no_fit + "FX3",
+          no_fit("FX3"),
           "plant.toml:6:12: position = 8: special function blocks are number 0 to 7, from the main unit on"));
   EXPECT_THAT(module("FX5", "unit = 0\n"),
-              ElementsAre(no_fit + "FX5",
+              ElementsAre(no_fit("FX5"),
                           "plant.toml:6:8: unit = 0: unit numbers are 1 to 16, from the CPU module on"));
-  EXPECT_THAT(module("FX5", "head = 0\n"),
-              ElementsAre(no_fit + "FX5",
-                          HasSubstr("plant.toml:6:1: plc.module: unknown key head; expected one of")));
-  EXPECT_THAT(module("Q", "position = 0\n"), ElementsAre(HasSubstr("unknown key position; expected one of")));
+  EXPECT_THAT(module("FX5", "head = 0\n"), ElementsAre(no_fit("FX5")))
+      << "head is right with the family that it needs";
+  EXPECT_THAT(module("Q", "position = 0\n"),
+              ElementsAre(HasSubstr("unknown key position; did you mean head?")));
   EXPECT_THAT(
       module("Q", "head = 8\n"),
       ElementsAre("plant.toml:6:8: head = 8: a head I/O number is a multiple of 10H from 0 to 0FF0H"));
@@ -321,8 +325,9 @@ TEST(PlantFile, AScan_IsATimeThatACpuTakes) {
               ElementsAre("plant.toml:2:8: scan = \"0s\": a scan takes 100us to 2s"));
   EXPECT_THAT(errors_with_bus("[[plc]]\nscan = \"2001ms\"\n"),
               ElementsAre(HasSubstr("a scan takes 100us to 2s")));
-  EXPECT_THAT(errors_with_bus("[[plc]]\nscan = 10\n"),
-              ElementsAre("plant.toml:2:8: scan = 10: expected a string"));
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\nscan = 10\n"),
+      ElementsAre("plant.toml:2:8: scan = 10: expected a time with a unit in quotes, for example \"20ms\""));
   EXPECT_THAT(errors_with_bus("[[plc]]\nscan = \"10\"\n"), ElementsAre(HasSubstr("plant.toml:2:8: scan = ")));
 }
 
@@ -356,7 +361,7 @@ TEST(PlantFile, DevicesACpuCannotHave_AreErrorsWithTheirLimits) {
 TEST(PlantFile, MistakesOfTheCpu_AreFoundTogetherAndWithOthers) {
   EXPECT_THAT(
       errors_with_bus("[[plc]]\ncpu_model = 4\ndevices = { D = \"1K\", M = 7, q = 16 }\ncpu = \"off\"\n"),
-      ElementsAre("plant.toml:2:13: cpu_model = 4: expected a string",
+      ElementsAre("plant.toml:2:13: cpu_model = 4: expected text in quotes",
                   "plant.toml:3:13: devices: D = \"1K\": expected a number of points",
                   "plant.toml:3:30: devices: q = 16: expected a device whose points can be set: M, L, "
                   "F, V, B, SB, T, ST, C, D, W, SW, ZR",

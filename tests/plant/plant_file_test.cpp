@@ -51,6 +51,7 @@ TEST(PlantFile, EverythingThatIsWrittenIsRead) {
   const DeviceSection& device = plant.devices[0];
   EXPECT_EQ(device.bus, "line1") << "the only bus is meant where none is named";
   EXPECT_EQ(device.start, 1500ms);
+  EXPECT_FALSE(device.short_sdo_requests);
   ASSERT_EQ(device.objects.size(), 2U);
   EXPECT_EQ(device.objects[0].object, (text::ObjectName{0x1017, 0}));
   EXPECT_EQ(std::get<std::int64_t>(device.objects[0].value), 500);
@@ -166,10 +167,15 @@ INSTANTIATE_TEST_SUITE_P(
         WrongLine{"node = 1\nmaster", "node = 3\nmaster",
                   "plant.toml:30:1: module: node 3 of bus \"line1\" is taken already, in line 10"}));
 
-TEST(PlantFile, AMisspeltKeyIsAMistakeWithTheKeysThatExist) {
-  const auto errors = errors_of("[[bus]]\nname = \"a\"\nbit_rate = 250000\nbitrate = 1\n");
-  EXPECT_THAT(errors, ElementsAre("plant.toml:4:1: bus: unknown key bitrate; expected one of allow, "
-                                  "bit_rate, fault, line, link, name, project, project_network, serve"));
+TEST(PlantFile, AMisspeltKeyIsAMistakeWithTheNearestKeyOrAllThatExist) {
+  const auto misspelt = [](const std::string& key) {
+    return errors_of("[[bus]]\nname = \"a\"\nbit_rate = 250000\n" + key + " = 1\n");
+  };
+  EXPECT_THAT(misspelt("bitrate"),
+              ElementsAre("plant.toml:4:1: bus: unknown key bitrate; did you mean bit_rate?"));
+  EXPECT_THAT(misspelt("colour"),
+              ElementsAre("plant.toml:4:1: bus: unknown key colour; expected one of allow, "
+                          "announce, bit_rate, fault, line, link, name, project, project_network, serve"));
 }
 
 TEST(PlantFile, AllMistakesAreFoundAtOnceInTheOrderOfTheFile) {
@@ -232,10 +238,10 @@ TEST(PlantFile, OneObjectTwice_IsAMistakeHoweverItIsWritten) {
   const std::string head = "[[bus]]\nname = \"a\"\nbit_rate = 250_000\n";
   const std::string device = head + "[[device]]\nnode = 1\neds = \"x.eds\"\n";
   EXPECT_THAT(errors_of(device + "[device.objects]\n\"1017:00\" = 1\n\"0x1017\" = 2\n"),
-              ElementsAre("plant.toml:9:1: objects: 1017H:00H is there already, in line 8"));
+              ElementsAre("plant.toml:9:1: objects: 1017:00 is there already, in line 8"));
   EXPECT_THAT(errors_of(device + "[[device.behaviour]]\nobject = \"6000:01\"\nkind = \"sine\"\n"
                                  "[[device.behaviour]]\nobject = \"6000H:1\"\nkind = \"ramp\"\n"),
-              ElementsAre("plant.toml:10:1: behaviour: 6000H:01H moves already, by the one in line 7"));
+              ElementsAre("plant.toml:10:1: behaviour: 6000:01 moves already, by the one in line 7"));
   EXPECT_THAT(errors_of(head + "[[plc]]\n[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = 0\n"
                                "buffer = { G70 = 1, g070 = 2 }\n"),
               ElementsAre("plant.toml:8:21: buffer: G70 is there already, in line 8"));

@@ -23,7 +23,7 @@ TEST_F(PlantLoadingTest, UnknownKey_DoesNotHideMistakesInWhatTheFileNames) {
                           "[[device]]\nnode = 4\neds = \"a.eds\"\nobjects = { \"2000:00\" = 1 }\n"),
               ElementsAre(HasSubstr("plant.toml:4:1: bus: unknown key colour"),
                           HasSubstr("plant.toml:7:7: eds = \"missing.eds\": cannot read"),
-                          HasSubstr("plant.toml:11:13: a.eds has no object 2000H:00H")));
+                          HasSubstr("plant.toml:11:13: a.eds has no object 2000:00")));
   EXPECT_EQ(exit_code_, 2);
 }
 

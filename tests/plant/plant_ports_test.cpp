@@ -112,7 +112,7 @@ TEST(PlantPorts, WrongKeys_AreErrorsWithTheirPlace) {
       ElementsAre(
           "plant.toml:4:15: transport = \"sctp\": expected \"tcp\" or \"udp\"",
           "plant.toml:5:9: frame = \"2E\": expected \"3E/4E\", \"1E\" or \"any\"",
-          "plant.toml:6:8: code = 7: expected a string",
+          "plant.toml:6:8: code = 7: expected text in quotes",
           "plant.toml:7:16: write_in_run = \"no\": expected true or false",
           "plant.toml:8:16: allow_write: \"here\" is not an address; expected numbers such as 192.168.1.7 or "
           "fd00::7, or a network such as 192.168.1.0/24",
@@ -122,7 +122,7 @@ TEST(PlantPorts, WrongKeys_AreErrorsWithTheirPlace) {
 
 TEST(PlantPorts, APortWithoutAnAddress_IsAnError) {
   EXPECT_THAT(errors("[[plc]]\n[[plc.port]]\nframe = \"1E\"\n"),
-              ElementsAre("plant.toml:2:1: plc.port: listen is missing; expected a string"));
+              ElementsAre("plant.toml:2:1: plc.port: listen is missing; expected text in quotes"));
 }
 
 TEST(PlantPorts, APublicAddress_NeedsAListOrAPassword) {
@@ -197,6 +197,29 @@ allow_write = "10.0.0.7"
   EXPECT_FALSE(ports[1].writers->allows(link::parse_internet_address("10.0.0.8").value()));
 }
 
+TEST(PlantModbus, Framing_IsTcpOrRtu) {
+  const auto framing = [](const std::string& key) {
+    return read("[[plc]]\n[[plc.modbus]]\nlisten = \"1502\"\n" + key)
+        .plant.plcs[0]
+        .modbus_ports[0]
+        .settings.framing;
+  };
+  EXPECT_EQ(framing(""), plc::modbus::Framing::mbap);
+  EXPECT_EQ(framing("framing = \"tcp\"\n"), plc::modbus::Framing::mbap);
+  EXPECT_EQ(framing("framing = \"rtu\"\n"), plc::modbus::Framing::rtu);
+  EXPECT_THAT(errors("[[plc]]\n[[plc.modbus]]\nlisten = \"1502\"\nframing = \"ascii\"\n"),
+              ElementsAre("plant.toml:4:11: framing = \"ascii\": expected \"tcp\" or \"rtu\""));
+}
+
+TEST(PlantBuses, Announce_NeedsAServer) {
+  EXPECT_THAT(errors("[[bus]]\nname = \"a\"\nbit_rate = 250_000\nannounce = true\n"),
+              ElementsAre("plant.toml:4:12: announce = true: nothing to announce: the bus has no serve = "
+                          "\"socketcand:...\""));
+  const PlantReading reading =
+      read("[[bus]]\nname = \"a\"\nbit_rate = 250_000\nserve = \"socketcand:1\"\nannounce = true\n");
+  EXPECT_THAT(reading.errors, IsEmpty());
+}
+
 TEST(PlantModbus, WrongKeys_AreErrorsWithTheirPlace) {
   EXPECT_THAT(
       errors("[[plc]]\n[[plc.modbus]]\nlisten = \"1502\"\nunit = 255\n"
@@ -210,7 +233,7 @@ TEST(PlantModbus, WrongKeys_AreErrorsWithTheirPlace) {
           "plant.toml:5:41: device = 'Q1' is no device; expected a device (D100, M0, X1F, W2A) or buffer "
           "memory "
           "(U0\\G25)",
-          "plant.toml:5:49: coils: device is missing; expected a string",
+          "plant.toml:5:49: coils: device is missing; expected text in quotes",
           "plant.toml:5:56: at = 70000: an address is 0 to 65535",
           "plant.toml:5:71: count = 0: expected 1 to 65536 addresses",
           "plant.toml:6:54: device: 100 addresses from D18400 on end at D18499; the R04CPU has 18432 of it",

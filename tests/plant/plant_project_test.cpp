@@ -1,7 +1,14 @@
 // Buses whose nodes are those of a CiA 306 project.
 
+#include <expected>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include "canopus/cli/network_project/network_check.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 
+#include "paths.hpp"
 #include "support/plant_folder.hpp"
 
 namespace canopus::plant_project_test {
@@ -64,6 +71,33 @@ TEST_F(PlantProject, AModuleOfThePlant_TakesTheNodesPlace) {
   const std::string module =
       "[[plc]]\nfamily = \"Q\"\n[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = 0\nnode = 2\n";
   EXPECT_EQ(devices(bus + module), "5 Drive line1/drive.dcf a\n");
+}
+
+TEST_F(PlantProject, PdosOfAModule_AreKnownToTheChecksOfTheProject) {
+  const auto text_of = [](const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  write("line1/encoder.dcf", text_of(CANOPUS_SOURCE_DIR "/examples/devices/encoder.eds") +
+                                 "\n[DeviceComissioning]\nNodeID=2\nBaudrate=250\n");
+  const std::string rack =
+      "[[plc]]\nlisten = \"off\"\nfamily = \"Q\"\n[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = 0\n"
+      "node = 10\nmaster = true\nslaves = \"all\"\n";
+  write("plant.toml", bus + rack);
+  const auto project = network_project::NetworkProject::open(
+      (folder_ / "line1/nodelist.cpj").string(),
+      [&](const std::string& path) -> std::expected<std::optional<std::string>, std::string> {
+        return std::filesystem::exists(path) ? std::optional(text_of(path)) : std::nullopt;
+      });
+  ASSERT_TRUE(project.has_value());
+  text::TextOutput err;
+  const auto external = cli::external_pdos(*project, (folder_ / "plant.toml").string(), err);
+  ASSERT_TRUE(external.has_value()) << err.text();
+  EXPECT_TRUE(external->received.contains(0x182)) << "TPDO1 of the encoder, into G10000";
+  EXPECT_FALSE(external->received.contains(0x282)) << "its TPDO2 is not connected";
+  write("plant.toml", "[[bus]]\n");
+  EXPECT_EQ(cli::external_pdos(*project, (folder_ / "plant.toml").string(), err), std::nullopt);
+  EXPECT_THAT(err.text(), HasSubstr("plant.toml:1:1: bus: name is missing"));
 }
 
 TEST_F(PlantProject, TwoBuses_HaveTheirNetworks) {

@@ -97,8 +97,8 @@ TEST_F(PlantReviewTest, SlaveThatTheMasterConfigures_IsNotReviewed) {
   const std::uint8_t type[] = {1, 0, 0, 0, 0x00, 0x18, 2, 1, 0, 0, 0, 255};
   canopen::append_stored_value(image, canopen::StoredLength::two_bytes, 0x1F22, 3, type);
   ASSERT_TRUE(flash.write("concise-dcf", image));
-  EXPECT_THAT(check(plant), IsEmpty()) << "1F22H:03 makes it event-driven";
-  EXPECT_THAT(check(plant + device(4, "t.eds")), IsEmpty()) << "1F22H:03 could make node 3 produce SYNC";
+  EXPECT_THAT(check(plant), IsEmpty()) << "1F22:03 makes it event-driven";
+  EXPECT_THAT(check(plant + device(4, "t.eds")), IsEmpty()) << "1F22:03 could make node 3 produce SYNC";
 }
 
 TEST_F(PlantReviewTest, ManyDevices_AreReviewedInTime) {

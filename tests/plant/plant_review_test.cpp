@@ -16,7 +16,7 @@ TEST_F(PlantReviewTest, SynchronousTpdoWithoutProducer_IsAWarning) {
   EXPECT_THAT(
       check(bus + device(3, "t.eds")),
       ElementsAre(
-          "plant.toml:4:1: warning: node 3 (t3): TPDO1 (1800H:02 = 1) waits for SYNC, but nobody on bus "
+          "plant.toml:4:1: warning: node 3 (t3): TPDO1 (1800:02 = 1) waits for SYNC, but no node on bus "
           "\"line1\" produces it: a producer has bit 30 of 1005H and 1006H set, and transmission type 255 "
           "works without SYNC"));
   EXPECT_EQ(exit_code_, 0);
@@ -31,7 +31,7 @@ TEST_F(PlantReviewTest, TransmissionTypeOfThePlantFile_IsNamedAtItsPlace) {
   EXPECT_THAT(check(bus + device(3, "t.eds", "objects = { \"1017:00\" = 500, \"1800:02\" = 0 }\n")),
               Not(IsEmpty()));
   EXPECT_THAT(check(bus + device(3, "t.eds", "objects = { \"1800:02\" = 240 }\n")),
-              ElementsAre(HasSubstr("plant.toml:8:13: warning: node 3 (t3): TPDO1 (1800H:02 = 240) waits")));
+              ElementsAre(HasSubstr("plant.toml:8:13: warning: node 3 (t3): TPDO1 (1800:02 = 240) waits")));
 }
 
 TEST_F(PlantReviewTest, SynchronousTpdoWithAProducer_IsNone) {
@@ -59,7 +59,7 @@ TEST_F(PlantReviewTest, ProducerThatIsNotSetUpOrOnlyListens_IsNone) {
   EXPECT_THAT(with("objects = { \"1005:00\" = 0x80 }\n"), SizeIs(1));
   EXPECT_THAT(with("listen_only = true\n"), SizeIs(1));
   EXPECT_THAT(check(bus + device(3, "t.eds", "objects = { \"1005:00\" = 0x81 }\n") + device(4, "p.eds")),
-              ElementsAre(HasSubstr("nobody on bus \"line1\" produces it with CAN-ID 081H, its 1005H:")));
+              ElementsAre(HasSubstr("no node on bus \"line1\" produces it with CAN-ID 081H, its 1005H:")));
   EXPECT_THAT(check(bus + device(3, "t.eds") + master("objects = { \"1005:00\" = 0x4000_0080 }\n")),
               SizeIs(1))
       << "1006H is 0";
@@ -70,7 +70,7 @@ TEST_F(PlantReviewTest, SynchronousTpdoWithout1005H_IsAWarningWithAnyProducer) {
   write("p.eds", support::device_file(support::variable("1005", 7, "0x40000080") +
                                       support::variable("1006", 7, "10000")));
   const auto warning =
-      HasSubstr("TPDO1 (1800H:02 = 0) waits for SYNC, but its file has no 1005H, so it never hears it");
+      HasSubstr("TPDO1 (1800:02 = 0) waits for SYNC, but its file has no 1005H, so it never receives it");
   EXPECT_THAT(check(bus + device(3, "t.eds") + device(4, "p.eds")), ElementsAre(warning));
   EXPECT_THAT(check(served + device(3, "t.eds")), ElementsAre(warning)) << "whoever produces it";
 }
@@ -88,7 +88,7 @@ TEST_F(PlantReviewTest, SynchronousRpdo_IsAWarningWhereSomebodySendsToIt) {
   write("t.eds", support::device_file(input + pdo("1800", "1A00", "$NODEID+0x180", "255")));
   EXPECT_THAT(check(bus + device(3, "r.eds")), IsEmpty());
   EXPECT_THAT(check(bus + device(3, "r.eds") + device(5, "t.eds")),
-              ElementsAre(HasSubstr("node 3 (r3): RPDO1 (1400H:02 = 1) waits for SYNC")));
+              ElementsAre(HasSubstr("node 3 (r3): RPDO1 (1400:02 = 1) waits for SYNC")));
 }
 
 TEST_F(PlantReviewTest, ProgramOutsideThatMayProduceSync_KeepsTheWarningAway) {
@@ -110,8 +110,8 @@ TEST_F(PlantReviewTest, ManySynchronousTpdos_AreOneWarning) {
   }
   write("t.eds", support::device_file(support::variable("1005", 7, "0x80") + input + tpdos));
   EXPECT_THAT(check(bus + device(3, "t.eds")),
-              ElementsAre(HasSubstr("TPDO1 (1800H:02 = 1), TPDO2 (1801H:02 = 1), TPDO3 (1802H:02 = 1), TPDO4 "
-                                    "(1803H:02 = 1) and 2 more wait for SYNC")));
+              ElementsAre(HasSubstr("TPDO1 (1800:02 = 1), TPDO2 (1801:02 = 1), TPDO3 (1802:02 = 1), TPDO4 "
+                                    "(1803:02 = 1) and 2 more wait for SYNC")));
 }
 
 // --- CAN-IDs
@@ -139,7 +139,7 @@ TEST_F(PlantReviewTest, TwoSendersOfOneCanId_AreAWarning) {
   EXPECT_THAT(check(bus + device(3, "t.eds") + device(4, "t.eds")), IsEmpty());
   EXPECT_THAT(
       check(bus + device(3, "t.eds") + device(4, "t.eds", "objects = { \"1800:01\" = 0x183 }\n")),
-      ElementsAre("plant.toml:12:13: warning: node 4 (t4): TPDO1 (1800H:01) has CAN-ID 183H, and TPDO1 of "
+      ElementsAre("plant.toml:12:13: warning: node 4 (t4): TPDO1 (1800:01) has CAN-ID 183H, and TPDO1 of "
                   "node 3 (t3) (line 4) has it, too: receivers cannot distinguish them, and frames at one "
                   "moment destroy each other; give each a CAN-ID of its own"));
   EXPECT_THAT(check(bus + device(3, "t.eds") +
@@ -161,8 +161,8 @@ TEST_F(PlantReviewTest, TwoProducersOfSync_AreAWarning) {
                                       support::variable("1006", 7, "10000")));
   EXPECT_THAT(
       check(bus + device(3, "p.eds") + device(4, "p.eds")),
-      ElementsAre(HasSubstr("node 4 (p4): SYNC (1005H:00) has CAN-ID 080H, and SYNC of node 3 (p3) (line 4) "
-                            "has it, too: the others hear it twice; clear bit 30 of one 1005H")));
+      ElementsAre(HasSubstr("node 4 (p4): SYNC (1005:00) has CAN-ID 080H, and SYNC of node 3 (p3) (line 4) "
+                            "has it, too: the others receive it twice; clear bit 30 of one 1005H")));
 }
 
 TEST_F(PlantReviewTest, LiteralCobIdsOfADcfUnderAnotherNode_AreAWarning) {
@@ -172,7 +172,7 @@ TEST_F(PlantReviewTest, LiteralCobIdsOfADcfUnderAnotherNode_AreAWarning) {
   EXPECT_THAT(check(bus + device(5, "t.dcf")), IsEmpty());
   EXPECT_THAT(
       check(bus + device(7, "t.dcf")),
-      ElementsAre("plant.toml:6:7: warning: node 7 (t7): 1014H = 085H, 1800H:01 = 185H are for node 5 in the "
+      ElementsAre("plant.toml:6:7: warning: node 7 (t7): 1014H = 085H, 1800:01 = 185H are for node 5 in the "
                   "pre-defined connection set: the DCF was made for node 5; objects can give it its own"));
   EXPECT_THAT(check(bus + device(7, "t.dcf", "objects = { \"1014:00\" = 0x85, \"1800:01\" = 0x185 }\n")),
               IsEmpty())
@@ -190,7 +190,7 @@ TEST_F(PlantReviewTest, FixedCobIdsOfAnEds_AreAWarningUnderAnotherNode) {
   EXPECT_THAT(check(bus + device(1, "t.eds")), IsEmpty());
   EXPECT_THAT(
       check(bus + device(7, "t.eds")),
-      ElementsAre(HasSubstr("node 7 (t7): 1800H:01 = 181H is for node 1 in the pre-defined connection set: "
+      ElementsAre(HasSubstr("node 7 (t7): 1800:01 = 181H is for node 1 in the pre-defined connection set: "
                             "the file has fixed numbers where $NODEID is usual")));
 }
 
@@ -203,7 +203,7 @@ TEST_F(PlantReviewTest, HeartbeatConsumer_WhoseNodeIsMissingSilentOrSlow) {
       device(3, "c.eds", "objects = { \"1016:01\" = 0x0005_00C8 }\n");  // node 5 within 200 ms
   EXPECT_THAT(
       check(bus + consumer),
-      ElementsAre("plant.toml:8:13: warning: node 3 (c3): 1016H:01 waits for heartbeats of node 5, which is "
+      ElementsAre("plant.toml:8:13: warning: node 3 (c3): 1016:01 waits for heartbeats of node 5, which is "
                   "not on bus \"line1\""));
   EXPECT_THAT(check(bus + consumer + device(5, "p.eds")),
               ElementsAre(HasSubstr("waits for heartbeats of node 5 (p5), whose 1017H is 0: it sends none")));
@@ -226,11 +226,10 @@ TEST_F(PlantReviewTest, HeartbeatConsumerOfADeviceFile_MattersWhereHeartbeatsCom
 }
 
 TEST_F(PlantReviewTest, SlaveThatNobodyIs_IsAWarning) {
-  EXPECT_THAT(
-      check(bus + master("objects = { \"1F81:09\" = 0x0D }\n")),
-      ElementsAre(AllOf(HasSubstr("plant.toml:11:13: warning: node 1 ("),
-                        HasSubstr("1F81H:09 assigns node 9 as a slave, which is not on bus \"line1\": "
-                                  "mandatory (bit 3), so the network does not start without it"))));
+  EXPECT_THAT(check(bus + master("objects = { \"1F81:09\" = 0x0D }\n")),
+              ElementsAre(AllOf(HasSubstr("plant.toml:11:13: warning: node 1 ("),
+                                HasSubstr("1F81:09 assigns node 9 as a slave, which is not on bus \"line1\": "
+                                          "mandatory (bit 3), so the network does not start without it"))));
   EXPECT_THAT(check(served + master("objects = { \"1F81:09\" = 0x0D }\n")), IsEmpty())
       << "a program may become node 9";
 }

@@ -56,10 +56,9 @@ TEST(PlantStall, APartThatAsksForOneMomentWithoutEnd_IsReportedByNameAndTheOther
   EXPECT_FALSE((*plant)->has_stalled());
   timeline.run_until(can::Time(5s));
   EXPECT_TRUE((*plant)->has_stalled());
-  EXPECT_EQ(watcher.errors,
-            (std::vector<std::string>{
-                "spinner: asks for this moment without end and is stopped from here on. This is an error in "
-                "Canopus: please report it with the plant file"}));
+  EXPECT_EQ(watcher.errors, (std::vector<std::string>{"spinner: sets its deadline to this moment without end "
+                                                      "and is stopped from here on. This is an error in "
+                                                      "Canopus: please report it with the plant file"}));
   EXPECT_EQ(watcher.at, can::Time(10ms));
   EXPECT_EQ(watcher.booted_nodes, (std::vector<unsigned>{5}));
 }

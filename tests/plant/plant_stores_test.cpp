@@ -278,9 +278,10 @@ TEST_F(PlantStoresTest, FileOfAnEarlierVersionThatTwoCouldMean_IsRefused) {
 TEST_F(PlantStoresTest, FileThatNobodyOwns_IsAWarning) {
   put_old("line1.old%20name.node-005");
   write("state/notes.txt", "mine");  // not ours to speak of
-  EXPECT_THAT(check(std::string(one_bus) + device("name = \"new name\"")),
-              ElementsAre("plant.toml:7:9: warning: store = \"state\": nobody in this plant owns "
-                          "\"line1.old%20name.node-005\" there"));
+  EXPECT_THAT(
+      check(std::string(one_bus) + device("name = \"new name\"")),
+      ElementsAre("plant.toml:7:9: warning: store = \"state\": no device or module of this plant owns "
+                  "\"line1.old%20name.node-005\" there"));
 }
 
 }  // namespace

@@ -162,7 +162,7 @@ std::vector<ErrorLine> events_of(const module::CommunicationModule& module) {
 std::vector<ErrorLine> received_emergencies(const module::ErrorTables& tables,
                                             const module::CommunicationModule& module) {
   std::vector<ErrorLine> lines;
-  for (const canopen::Emergency& message : module.kept_emergencies() | std::views::reverse) {
+  for (const canopen::Emergency& message : module.emergency_history() | std::views::reverse) {
     lines.push_back({fmt::format("node {}", message.node_id), shown_code(message.code),
                      fmt::format("{}; error register {:02X}H{}", emergency_meaning(tables, message.code),
                                  message.error_register, manufacturer_text(message))});
@@ -181,7 +181,7 @@ std::vector<ErrorLine> sent_emergencies(const module::ErrorTables& tables,
     const auto code = static_cast<std::uint16_t>(field);
     std::string meaning = emergency_meaning(tables, code);
     if (field >> 16 != 0) meaning += fmt::format("; data {:02X} {:02X}", field >> 16 & 0xFFU, field >> 24);
-    lines.push_back({fmt::format("1003H:{:02X}", sub), shown_code(code), std::move(meaning)});
+    lines.push_back({fmt::format("1003:{:02X}", sub), shown_code(code), std::move(meaning)});
   }
   return lines;
 }

@@ -17,7 +17,6 @@
 #include "canopus/module/models/fx2n_32can/data_sheet.hpp"
 #include "canopus/module/models/fx2n_32can/error_table.hpp"
 #include "canopus/module/models/fx2n_32can/fx2n_32can.hpp"
-#include "canopus/module/models/fx2n_32can/object_table.hpp"
 #include "canopus/module/models/fx3u_can/buffer_table.hpp"
 #include "canopus/module/models/fx3u_can/configuration_tool.hpp"
 #include "canopus/module/models/fx3u_can/data_sheet.hpp"
@@ -28,12 +27,10 @@
 #include "canopus/module/models/me3can1_q/data_sheet.hpp"
 #include "canopus/module/models/me3can1_q/error_table.hpp"
 #include "canopus/module/models/me3can1_q/me3can1_q.hpp"
-#include "canopus/module/models/me3can1_q/object_table.hpp"
 #include "canopus/module/models/rj71cn91/buffer_table.hpp"
 #include "canopus/module/models/rj71cn91/configuration_tool.hpp"
 #include "canopus/module/models/rj71cn91/data_sheet.hpp"
 #include "canopus/module/models/rj71cn91/error_table.hpp"
-#include "canopus/module/models/rj71cn91/object_table.hpp"
 #include "canopus/module/models/rj71cn91/rj71cn91.hpp"
 
 namespace canopus::plant {
@@ -49,6 +46,8 @@ std::unique_ptr<module::CommunicationModule> make(can::Controller& controller,
   return std::make_unique<Module>(controller, memory, profile);
 }
 
+/// A module of MELSEC iQ-R; plant files that leave the family out have a rack of MELSEC Q, which counts places alike.
+constexpr std::array racks_of_iqr = {plc::CpuFamily::iqr, plc::CpuFamily::q};
 constexpr std::array racks_of_blocks = {plc::CpuFamily::fx3, plc::CpuFamily::fx5};
 constexpr std::array lift_mode = std::to_array<ModeObjects>({{417, module::fx3u_can::lift_dictionary}});
 constexpr std::array racks_of_fx3 = {plc::CpuFamily::fx3};
@@ -76,6 +75,7 @@ const std::array catalogue = std::to_array<CatalogueEntry>({
      .stored = module::ModuleSettings::stored_names,
      .make = make<module::rj71cn91::Rj71cn91>,
      .buffer_rows = module::rj71cn91::buffer_table,
+     .families = racks_of_iqr,
      .errors = &module::rj71cn91::error_tables,
      .reset_procedure = &module::rj71cn91::reset_procedure,
      .configuration_tool = &module::rj71cn91::configuration_tool},

@@ -3,6 +3,7 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/ascii/hex.hpp"
 #include "canopus/plant/events/boot_report.hpp"
 #include "canopus/plant/file/process_value.hpp"
@@ -241,7 +242,7 @@ std::string describe_lss(const NodeLabel& node, std::uint32_t bit_rate) {
 }
 
 std::string describe_unacknowledged(const NodeLabel& node) {
-  return describe(node) + ": nobody acknowledges: no other node on this bus";
+  return describe(node) + ": no acknowledgement: no other node on this bus";
 }
 
 std::string describe_value(const ForcedObject& forced) {
@@ -265,24 +266,26 @@ std::vector<std::string> describe(const RunSummary& summary) {
   if (summary.virtual_time) {
     const double ratio =
         can::seconds(summary.end) / std::max(1e-9, std::chrono::duration<double>(summary.wall).count());
-    time += fmt::format(", {:.0f} times as fast as real time", ratio);
+    constexpr double whole_from = 10;  // below that "0 times" or "1 times" would be said
+    time += fmt::format(", {:.{}f} times as fast as real time", ratio, ratio < whole_from ? 1 : 0);
   } else {
     time += fmt::format(", at most {} late", text::describe_duration(summary.largest_lag));
   }
   lines.push_back(std::move(time));
   for (const auto& bus : summary.buses) {
-    lines.push_back(fmt::format("bus {}: {} frames, {} error frames, load at most {:.1f} %", bus.name,
-                                bus.load.frames, bus.load.error_frames, bus.load.peak * 100));
+    lines.push_back(fmt::format("bus {}: {}, {}, load at most {:.1f} %", bus.name,
+                                ascii::counted(bus.load.frames, "frame"),
+                                ascii::counted(bus.load.error_frames, "error frame"), bus.load.peak * 100));
   }
   std::size_t operational = 0;
   for (const NodeStatus& node : summary.nodes) {
     operational += in_operation(node) ? 1 : 0;
     const bool plain = node.layer2 != module::Layer2State::inactive;
-    lines.push_back(fmt::format(
-        "{}: {}, {} {} sent{}", describe(node.label), state_name(node), node.pdos, plain ? "frames" : "PDOs",
-        node.emergencies == 0
-            ? ""
-            : fmt::format(", {} EMCY, last {:04X}H", node.emergencies, node.last_emergency)));
+    lines.push_back(fmt::format("{}: {}, {} sent{}", describe(node.label), state_name(node),
+                                ascii::counted(node.pdos, plain ? "frame" : "PDO"),
+                                node.emergencies == 0 ? ""
+                                                      : fmt::format(", {} EMCY, last {:04X}H",
+                                                                    node.emergencies, node.last_emergency)));
   }
   for (const SlaveBoot& boot : summary.boots) {
     if (std::string trouble = describe_trouble(boot, summary.end); !trouble.empty()) {
@@ -294,20 +297,23 @@ std::vector<std::string> describe(const RunSummary& summary) {
   }
   for (const ForcedObject& forced : summary.forced) lines.push_back(describe(forced));
   for (const RunSummary::LiftCount& lift : summary.lifts) lines.push_back(describe(lift));
-  lines.push_back(operational == summary.nodes.size()
-                      ? fmt::format("all {} nodes operational", operational)
-                      : fmt::format("{} of {} nodes operational", operational, summary.nodes.size()));
+  lines.push_back(
+      operational == summary.nodes.size() && operational != 1
+          ? fmt::format("all {} operational", ascii::counted(operational, "node"))
+          : fmt::format("{} of {} operational", operational, ascii::counted(summary.nodes.size(), "node")));
   return lines;
 }
 
 std::string LinePrinter::lost_line(std::uint64_t lines) const {
-  return text::Line("{:>12.6f}  {} line{} lost: the output was not read\n", event_seconds(latest_), lines,
-                    lines == 1 ? "" : "s")
+  return text::Line("{:>12.6f}  {} lost: the output was not read\n", event_seconds(latest_),
+                    ascii::counted(lines, "line"))
       .text();
 }
 
 void LinePrinter::line(can::Time now, std::string_view text) {
   latest_ = now;
+  print_counted(now);
+  if (!repeated_.passes(text, now)) return;
   const auto microseconds = now.time_since_epoch() / std::chrono::microseconds(1);
   out_.line("{:>5}.{:06}  {}", microseconds / 1'000'000, microseconds % 1'000'000, text);
 }
@@ -375,16 +381,27 @@ void LinePrinter::add(const ObjectReleased& event, can::Time now) {
                         event.object.name, show_value(event.object.type, event.object.value)));
 }
 
-void LinePrinter::add(const Warning& event, can::Time) {
-  if (!quiet_) errors_.line("{}: warning: {}", event.source, event.message);
+void LinePrinter::add(const Warning& event, can::Time now) {
+  if (quiet_) return;
+  if (now == can::Time{}) return errors_.line("{}: warning: {}", event.source, event.message);
+  latest_ = now;
+  errors_.line("{:>12.6f}  {}: warning: {}", event_seconds(now), event.source, event.message);
 }
 
 void LinePrinter::add(const Failure& event, can::Time now) {
   latest_ = now;
-  errors_.line("{:>12.6f}  {}: {}", event_seconds(now), event.source, event.message);
+  print_counted(now);
+  const std::string text = fmt::format("{}: {}", event.source, event.message);
+  if (repeated_errors_.passes(text, now)) errors_.line("{:>12.6f}  {}", event_seconds(now), text);
+}
+
+void LinePrinter::print_counted(can::Time now) {
+  for (const std::string& text : repeated_.ended(now)) out_.line("{:>12}  {}", "...", text);
+  for (const std::string& text : repeated_errors_.ended(now)) errors_.line("{:>12}  {}", "...", text);
 }
 
 void LinePrinter::summary(const RunSummary& summary) {
+  print_counted(can::never);
   if (quiet_) return;
   for (const std::string& text : describe(summary)) out_.line("{}", text);
 }

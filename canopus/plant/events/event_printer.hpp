@@ -15,6 +15,7 @@
 #include "canopus/sim/lift/lift_report.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/output.hpp"
+#include "canopus/text/repeated_lines.hpp"
 
 namespace canopus::plant {
 
@@ -81,7 +82,7 @@ class JsonPrinter final : public PlantObserver {
   std::atomic<can::Time> latest_{};
 };
 
-/// Lines for people: everything but the load and single bus errors.
+/// Lines for people: everything but the load and single bus errors. Lines that repeat quickly are counted.
 class LinePrinter final : public PlantObserver {
  public:
   /// `quiet`: errors alone.
@@ -113,9 +114,13 @@ class LinePrinter final : public PlantObserver {
   void add(const ModuleError& event, can::Time now);
   void add(const Failure& event, can::Time now);
   void line(can::Time now, std::string_view text);
+  /// Lines of those that were counted, whose repetition has ended; can::never: of all.
+  void print_counted(can::Time now);
   text::Output& out_;
   text::Output& errors_;
   bool quiet_;
+  text::RepeatedLines repeated_;         // in out_
+  text::RepeatedLines repeated_errors_;  // in errors_
   std::atomic<can::Time> latest_{};
 };
 

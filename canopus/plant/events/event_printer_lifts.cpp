@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/plant/events/event_printer.hpp"
 #include "canopus/sim/lift/lift_report.hpp"
 #include "canopus/text/json.hpp"
@@ -116,7 +117,7 @@ std::string describe(const RunSummary::LiftCount& lift) {
   }
   text += fmt::format("{} starts, {} door cycles", starts, cycles);
   if (const std::uint32_t unsafe = report.unsafe(); unsafe != 0) {
-    text += fmt::format("; UNSAFE {} time{}", unsafe, unsafe == 1 ? "" : "s");
+    text += "; UNSAFE " + ascii::counted(unsafe, "time");
   }
   return text;
 }

@@ -59,13 +59,12 @@ BehaviourSection read_behaviour(text::TableReader& table) {
 
 std::uint32_t read_bit_rate(text::TableReader& table, bool required) {
   constexpr std::string_view expected = "expected a bit rate in bit/s, for example 250_000";
-  const auto rate = table.integer("bit_rate", 0, INT64_MAX, expected, required);
-  if (!rate) return 0;
-  if (std::ranges::find(can::bit_rates, static_cast<std::uint64_t>(*rate)) == std::end(can::bit_rates)) {
-    table.error("bit_rate", fmt::format("expected one of {} bit/s", fmt::join(can::bit_rates, ", ")));
-    return 0;
-  }
-  return static_cast<std::uint32_t>(*rate);
+  std::vector<text::TableSchema::Range> known;
+  for (const std::uint32_t rate : can::bit_rates) known.push_back({rate, rate});
+  const auto rate =
+      table.integer_of("bit_rate", std::move(known), expected,
+                       fmt::format("expected one of {} bit/s", fmt::join(can::bit_rates, ", ")), required);
+  return static_cast<std::uint32_t>(rate.value_or(0));
 }
 
 BusSection read_bus(text::TableReader& table) {
@@ -83,6 +82,9 @@ BusSection read_bus(text::TableReader& table) {
         return text::parse_host_and_port(text.substr(protocol.size()));
       });
   bus.allowed = read_allowed(table, "serve", "socketcand protocol", bus.socketcand);
+  bus.announced = table.boolean("announce").value_or(false);
+  if (bus.announced && !bus.socketcand)
+    table.error("announce", "nothing to announce: the bus has no serve = \"socketcand:...\"");
   bus.faults = read_good<FaultSection>(table, "fault", "bus.fault", read_fault);
   read_line(table, bus);
   read_link(table, bus);
@@ -131,6 +133,7 @@ DeviceSection read_device(text::TableReader& table) {
   }
   device.transmit_queue = static_cast<std::size_t>(
       table.integer("transmit_queue", 1, 65535, "a transmit queue holds 1 to 65535 frames").value_or(128));
+  device.short_sdo_requests = table.boolean("short_sdo_requests").value_or(false);
   device.objects = read_objects(table, "objects");
   device.behaviours = read_good<BehaviourSection>(table, "behaviour", "device.behaviour", read_behaviour);
   device.scripts = read_good<ScriptSection>(table, "script", "device.script", read_script);
@@ -168,7 +171,7 @@ std::vector<SlaveSection::Link> read_links(text::TableReader& table, std::string
 SlaveSection read_slave(text::TableReader& table) {
   const bool by_name = table.find("name") != nullptr;
   SlaveSection slave{.place = table.place(by_name ? "name" : "node"), .eds_place = table.place("eds")};
-  if (by_name) slave.name = table.text("name", true).value_or("");
+  slave.name = table.text("name").value_or("");
   constexpr std::string_view expected = "a node-ID is 1 to 127; or name = the name of a device or module";
   slave.node = static_cast<std::uint8_t>(table.integer("node", 1, 127, expected, !by_name).value_or(0));
   if (by_name && slave.node != 0) table.error("name", "expected node or name, not both");
@@ -264,6 +267,8 @@ ModuleSection read_module(text::TableReader& table, const plc::CpuModel& cpu) {
   return module;
 }
 
+constexpr can::Duration shortest_watchdog = std::chrono::milliseconds(1);
+
 PlcSection read_plc(text::TableReader& table) {
   PlcSection plc{.place = table.place(), .store_place = table.place("store")};
   plc.name = table.text("name").value_or("");
@@ -283,7 +288,18 @@ PlcSection read_plc(text::TableReader& table) {
   }
   plc.store = table.text("store").value_or("");
   plc.cpu_error = table.parsed("cpu_error", text::parse_duration);
-  plc.programs = read_programs(table, plc.cpu_model);
+  if (has_program_files(table)) {
+    plc.program_files = read_program_files(table);
+    plc.label_files = read_label_files(table);
+    plc.tasks = read_tasks(table, plc.cpu_model);
+    plc.watchdog = table.parsed("watchdog", text::parse_duration);
+    if (plc.watchdog && (*plc.watchdog < shortest_watchdog || *plc.watchdog > plc::Scan::longest_period)) {
+      table.error("watchdog", "the watchdog timer is 1ms to 2s");
+      plc.watchdog.reset();
+    }
+  } else {
+    plc.programs = read_programs(table, plc.cpu_model);
+  }
   table.tables("module", "plc.module",
                [&](text::TableReader& inner) { plc.modules.push_back(read_module(inner, plc.cpu_model)); });
   check_modbus_modules(plc, table.errors());
@@ -301,6 +317,35 @@ void check_number(const toml::table& root, std::string_view key, std::string_vie
   if (list == nullptr || list->size() <= most) return;
   errors.push_back({text::place_of(list->get(most)->source()),
                     fmt::format("the plant has {} {}; expected at most {}", list->size(), what, most)});
+}
+
+/// Tables that belong below another one, and stand alone at the top.
+void report_misplaced(text::TableReader& top, const toml::table& root) {
+  struct Inner {
+    std::string_view key;
+    std::string_view written;
+  };
+  constexpr Inner inner[] = {
+      {"behaviour", "[[device.behaviour]]"},
+      {"drive", "[device.drive]"},
+      {"fault", "[[bus.fault]]"},
+      {"line", "[bus.line]"},
+      {"modbus", "[[plc.modbus]]"},
+      {"module", "[[plc.module]]"},
+      {"playback", "[[device.playback]]"},
+      {"port", "[[plc.port]]"},
+      {"program", "[[plc.program]]"},
+      {"script", "[[device.script]]"},
+      {"slave", "[[plc.module.slave]]"},
+      {"task", "[[plc.task]]"},
+  };
+  for (const auto& [key, written] : inner) {
+    const toml::node* node = root.get(key);
+    if (node == nullptr || !(node->is_table() || node->is_array_of_tables())) continue;
+    top.find(key);  // not reported again as unknown
+    top.error(text::place_of(node->source()),
+              fmt::format("{} must be written {}, below its own table", key, written));
+  }
 }
 
 }  // namespace
@@ -337,6 +382,7 @@ PlantReading read_plant(std::string_view text, std::string path) {
     if (reading.errors.size() == before) add_lift(plant, std::move(lift));
   });
   top.tables("plc", "plc", [&](text::TableReader& table) { plant.plcs.push_back(read_plc(table)); });
+  report_misplaced(top, *root);
   top.finish();
   add_projects(plant, reading.errors);
   check_references(plant, reading.errors);

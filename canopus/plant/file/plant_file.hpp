@@ -18,6 +18,7 @@
 #include "canopus/plant/file/download_section.hpp"
 #include "canopus/plant/file/lift_section.hpp"
 #include "canopus/plc/cpu/device.hpp"
+#include "canopus/plc/execution/program_tasks.hpp"
 #include "canopus/plc/melsec/port_settings.hpp"
 #include "canopus/plc/modbus/settings.hpp"
 #include "canopus/sim/bus/controller/bit_timing.hpp"
@@ -117,6 +118,7 @@ struct BusSection {
   std::uint32_t bit_rate = 0;                     ///< bit/s
   std::optional<text::HostAndPort> socketcand{};  ///< from serve = "socketcand:127.0.0.1:29536"
   link::AllowList allowed{};                      ///< clients that may connect there
+  bool announced = false;                         ///< by socketcand's service discovery
   std::vector<FaultSection> faults{};
   std::optional<LineSection> line{};
   text::Place project_place{};
@@ -179,6 +181,7 @@ struct DeviceSection {
   bool listen_only = false;          ///< its controller receives, but drives no bit
   bool transmit_fifo = false;        ///< its controller sends in the order of queueing, not of identifiers
   std::size_t transmit_queue = 128;  ///< frames that may wait in it
+  bool short_sdo_requests = false;   ///< its SDO server accepts requests with a DLC below 8
   std::vector<text::ObjectSetting> objects{};
   std::vector<BehaviourSection> behaviours{};
   std::vector<ScriptSection> scripts{};
@@ -295,6 +298,20 @@ struct ProgramSection {
   std::optional<can::Duration> interval{};  ///< fixed scan execution type; none: executed once a scan
 };
 
+/// A source file of the program that the CPU runs, or a library: program = ["main.st", "lib:canopen"].
+struct ProgramFile {
+  static constexpr std::string_view library = "lib:";  ///< what the name of a library begins with
+  text::Place place{};
+  std::string path{};  ///< as written: relative to the plant file
+};
+
+/// When some of its PROGRAMs are executed: [[plc.task]].
+struct TaskSection {
+  text::Place place{};
+  std::vector<text::Place> program_places{};  ///< of each name in task.programs
+  plc::ProgramTask task{};
+};
+
 struct PlcSection {
   text::Place place{};
   text::Place store_place{};
@@ -302,11 +319,19 @@ struct PlcSection {
   std::vector<MelsecPortSection> ports{};
   std::vector<ModbusPortSection> modbus_ports{};
   plc::CpuModel cpu_model = plc::r04cpu();  ///< with the points of the devices that the file sets
-  std::optional<can::Duration> scan{};  ///< X and Y are refreshed once a scan of this length; none: at once
+  /// X and Y are refreshed once a scan of this length; none: at once, or with a program in an estimated time
+  std::optional<can::Duration> scan{};
   bool run = true;
   std::string store{};  ///< folder for what the modules save; empty = nothing survives the run
   std::optional<can::Duration> cpu_error{};  ///< when the CPU stops with an error
   std::vector<ProgramSection> programs{};
+  std::vector<ProgramFile> program_files{};
+  std::vector<ProgramFile> label_files{};  ///< labels = ["labels.csv"]
+  std::vector<TaskSection> tasks{};
+  std::optional<can::Duration>
+      watchdog{};  ///< the longest execution of a scan's programs; none: the family's
+  bool allows_native_code =
+      false;  ///< no key of the file: the user of the run permits programs as shared objects
   std::vector<ModuleSection> modules{};
 };
 

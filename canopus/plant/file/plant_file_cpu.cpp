@@ -50,10 +50,11 @@ void read_place(text::TableReader& table, const plc::CpuModel& cpu, ModuleSectio
   if (entry == nullptr || fits) return;
   std::string families;
   for (const plc::CpuFamily each : entry->families) {
-    families += fmt::format("{}{}", families.empty() ? "" : " or ", plc::family_info(each).name);
+    table.find(plc::family_info(each).place.key);  // right with the right family
+    families += fmt::format("{}\"{}\"", families.empty() ? "" : " or ", plc::family_info(each).name);
   }
   table.error("model",
-              fmt::format("fits into a rack of the family {}; this one is {}", families, family.name));
+              fmt::format("its [[plc]] needs family = {}; this one has \"{}\"", families, family.name));
 }
 
 plc::CpuModel read_cpu_model(text::TableReader& table) {
@@ -61,7 +62,7 @@ plc::CpuModel read_cpu_model(text::TableReader& table) {
   std::optional<plc::CpuFamily> family;
   if (const auto name = table.text("family")) {
     family = plc::family_named(*name);
-    if (family) model = plc::usual_model(*family);
+    if (family) model = plc::default_model(*family);
     if (!family) table.error("family", expected_one_of(family_names()));
   }
   if (const auto name = table.text("cpu_model")) {

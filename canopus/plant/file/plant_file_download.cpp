@@ -52,8 +52,8 @@ DownloadSection::Pdo read_pdo(text::TableReader& table, bool transmit) {
   DownloadSection::Pdo pdo{.place = table.place()};
   pdo.number = static_cast<std::uint16_t>(
       table.integer("number", 1, 512, "a PDO's number is 1 to 512", true).value_or(1));
-  const auto type = table.integer("type", 0, 255, "a transmission type is 0 to 240, 254 or 255");
-  if (type && *type > 240 && *type < 254) table.error("type", "a transmission type is 0 to 240, 254 or 255");
+  const auto type =
+      table.integer_of("type", {{0, 240}, {254, 255}}, "a transmission type is 0 to 240, 254 or 255");
   pdo.type = static_cast<std::uint8_t>(type.value_or(255));
   if (const auto id = table.integer("cob_id", 0x181, 0x57F, "a PDO's COB-ID is 0x181 to 0x57F"))
     pdo.cob_id = static_cast<std::uint16_t>(*id);
@@ -105,10 +105,8 @@ DownloadSection read_download(text::TableReader& table) {
   }
   constexpr std::string_view wrong_ids =
       "expected 0 or 128 to 255, which are no node-IDs; the card's own node-ID is the key node";
-  if (const auto id = table.integer("node_id", 0, 255, wrong_ids)) {
-    if (*id >= 1 && *id <= 127) table.error("node_id", wrong_ids);
+  if (const auto id = table.integer_of("node_id", {{0, 0}, {128, 255}}, wrong_ids))
     download.wrong_node_id = static_cast<std::uint8_t>(*id);
-  }
   download.again_at = table.parsed("again_at", text::parse_duration);
   download.cycle_period = read_milliseconds(table, "cycle_period");
   download.master_heartbeat = read_milliseconds(table, "master_heartbeat");

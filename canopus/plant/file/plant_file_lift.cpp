@@ -210,11 +210,12 @@ LiftSection read_lift(text::TableReader& table) {
   const std::size_t last_panel = lift.first_node + building.floors.size() + building.lifts.size() - 1;
   const std::size_t last = lift.first_node + units.size() - 1;
   if (last_panel > sim::lift::highest_panel) {
-    table.error(table.place("first_node"),
-                fmt::format("lift: its panels have the node-IDs {} to {}; a lift controller hears panels up "
-                            "to {}: expected a "
-                            "lower first_node",
-                            lift.first_node, last_panel, sim::lift::highest_panel));
+    table.error(
+        table.place("first_node"),
+        fmt::format("lift: its panels have the node-IDs {} to {}; a lift controller receives panels up "
+                    "to {}: expected a "
+                    "lower first_node",
+                    lift.first_node, last_panel, sim::lift::highest_panel));
   } else if (last > 127) {
     table.error(table.place("first_node"),
                 fmt::format("lift: its devices have the node-IDs {} to {}; expected a lower first_node",

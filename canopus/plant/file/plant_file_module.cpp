@@ -9,6 +9,7 @@
 
 #include "canopus/ascii/number.hpp"
 #include "canopus/ascii/words.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/plant/file/plant_sections.hpp"
 #include "canopus/plc/rack/module_refresh.hpp"
 #include "canopus/text/table_reader.hpp"
@@ -77,8 +78,8 @@ std::vector<text::ObjectSetting> read_objects(text::TableReader& table, std::str
     const auto [other, is_new] = seen.try_emplace({object->index, object->sub}, place);
     if (!is_new) {
       const auto [first, second] = std::minmax(place, other->second);
-      return table.error(second, fmt::format("{}: {:04X}H:{:02X}H is there already, in line {}", key,
-                                             object->index, object->sub, first.line));
+      return table.error(second, fmt::format("{}: {} is there already, in line {}", key,
+                                             canopen::object_text(object->index, object->sub), first.line));
     }
     settings.push_back({place, *object, *value});
   });
@@ -155,6 +156,39 @@ ParametersSection read_parameters(text::TableReader& table, const plc::CpuModel&
     parameters.nodes.push_back(std::move(node));
   });
   return parameters;
+}
+
+/// Structured Text, an instruction list, PLCopen XML, a shared object, or a library that the program has.
+static bool is_program_file(const std::string& path) {
+  const std::string lower = ascii::lower(path);
+  return lower.ends_with(".st") || lower.ends_with(".csv") || lower.ends_with(".xml") ||
+         path.ends_with(".so") || path.starts_with(ProgramFile::library);
+}
+
+std::vector<ProgramFile> read_program_files(text::TableReader& table) {
+  constexpr std::string_view expected =
+      "expected files of Structured Text or instruction lists, such as [\"main.st\", \"MAIN.csv\"]";
+  constexpr std::size_t most_files = 100;
+  std::vector<ProgramFile> files;
+  table.elements("program", [&](const toml::node& element) {
+    const auto* const path = element.as_string();
+    const text::Place place = text::place_of(element.source());
+    if (path == nullptr || !is_program_file(path->get()))
+      return table.error(place, fmt::format("program = {}: {}", text::describe_found(element), expected));
+    if (files.size() == most_files)
+      return table.error(place, fmt::format("program: expected at most {} files", most_files));
+    files.push_back({place, path->get()});
+  });
+  if (files.empty() && !table.is_wrong("program") && table.errors().empty()) table.error("program", expected);
+  return files;
+}
+
+bool has_program_files(text::TableReader& table) {
+  const toml::node* const node = table.find("program");
+  if (node == nullptr) return false;
+  const auto* const list = node->as_array();
+  return list == nullptr ||
+         !std::ranges::any_of(*list, [](const toml::node& element) { return element.is_table(); });
 }
 
 std::vector<ProgramSection> read_programs(text::TableReader& table, const plc::CpuModel& cpu) {

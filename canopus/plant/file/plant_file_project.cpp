@@ -44,8 +44,11 @@ void add_projects(PlantFile& plant, std::vector<text::FileError>& errors) {
     const auto read_dcf = [&](const std::string& below, const std::string& name) {
       return store::read_inner_file(folder / below, name);
     };
+    const auto find_dcf = [&](const std::string& below, const std::string& name) {
+      return store::find_inner_file(folder / below, name);
+    };
     const network_project::ProjectMembers project =
-        network_project::read_members(bus.project, list, bus.project_network - 1, read_dcf);
+        network_project::read_members(bus.project, list, bus.project_network - 1, read_dcf, find_dcf);
     for (const std::string& error : project.errors) {
       errors.push_back({bus.project_place, fmt::format("project = \"{}\": {}", bus.project, error)});
     }

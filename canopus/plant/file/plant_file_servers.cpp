@@ -25,44 +25,45 @@ class Ports {
 
   void check() {
     if (plant_.control) {
-      take_port(*plant_.control, Transport::tcp, plant_.control_place, "control", "the control server");
+      reserve_port(*plant_.control, Transport::tcp, plant_.control_place, "control", "the control server");
     }
     for (const PlcSection& plc : plant_.plcs) {
-      const std::string who = plc.name.empty() ? "a PLC without a name" : fmt::format("PLC \"{}\"", plc.name);
+      const std::string owner =
+          plc.name.empty() ? "a PLC without a name" : fmt::format("PLC \"{}\"", plc.name);
       for (const MelsecPortSection& port : plc.ports) {
-        take_port(port.listen, port.udp ? Transport::udp : Transport::tcp, port.place, "listen", who);
+        reserve_port(port.listen, port.udp ? Transport::udp : Transport::tcp, port.place, "listen", owner);
       }
       for (const ModbusPortSection& port : plc.modbus_ports) {
-        take_port(port.listen, Transport::tcp, port.place, "listen", who);
+        reserve_port(port.listen, Transport::tcp, port.place, "listen", owner);
       }
     }
     for (const BusSection& bus : plant_.buses) {
       if (!bus.socketcand) continue;
-      take_port(*bus.socketcand, Transport::tcp, bus.serve_place, "serve",
-                fmt::format("bus \"{}\"", bus.name));
+      reserve_port(*bus.socketcand, Transport::tcp, bus.serve_place, "serve",
+                   fmt::format("bus \"{}\"", bus.name));
     }
   }
 
  private:
   struct Server {
-    std::string who;
+    std::string owner;
     std::uint32_t line = 0;
   };
   using Addresses = std::map<link::InternetAddress, Server>;
   enum class Transport : std::uint8_t { tcp, udp };  // each has ports of its own
 
-  void take_port(const text::HostAndPort& where, Transport transport, text::Place place, std::string_view key,
-                 std::string who) {
+  void reserve_port(const text::HostAndPort& where, Transport transport, text::Place place,
+                    std::string_view key, std::string owner) {
     const auto address = link::parse_internet_address(where.host);
     if (!address || where.port == 0) return;  // no address: reported already; port 0: a free one
     Addresses& servers = ports_[{transport, where.port}];
     if (const auto other = same_address(servers, *address); other != servers.end()) {
       errors_.push_back(
           {place, fmt::format("{}: port {} is taken already, by {} in line {}; give each server its own", key,
-                              where.port, other->second.who, other->second.line)});
+                              where.port, other->second.owner, other->second.line)});
       return;
     }
-    servers.emplace(*address, Server{std::move(who), place.line});
+    servers.emplace(*address, Server{std::move(owner), place.line});
   }
 
   /// A server that would get the same connections: 0.0.0.0 is every IPv4 address, :: every address of both kinds.
@@ -87,7 +88,7 @@ class Ports {
 
 using plc::melsec::DataCode;
 
-constexpr std::uint16_t usual_port = 5007;
+constexpr std::uint16_t default_port = 5007;
 
 /// One of the words, or the default when the key is not there or wrong.
 template <typename Value, std::size_t count>
@@ -195,6 +196,10 @@ ModbusPortSection read_modbus_port(text::TableReader& table, const plc::CpuModel
   port.allowed = read_allowed(table, "listen", "Modbus protocol", listen);
   port.writers = read_networks(table, "allow_write");
   if (!table.boolean("write_in_run").value_or(true)) port.settings.write = plc::WritePermission::in_stop;
+  if (const auto framing = table.text("framing")) {
+    if (*framing != "tcp" && *framing != "rtu") table.error("framing", "expected \"tcp\" or \"rtu\"");
+    if (*framing == "rtu") port.settings.framing = plc::modbus::Framing::rtu;
+  }
   if (const auto unit = table.integer("unit", 1, 247, "a unit identifier is 1 to 247")) {
     port.settings.unit = static_cast<std::uint8_t>(*unit);
   }
@@ -239,7 +244,9 @@ link::AllowList read_allowed(text::TableReader& table, std::string_view key, std
                              const std::optional<text::HostAndPort>& place, bool has_password) {
   auto list = read_networks(table, "allow");
   if (!place) {
-    if (list) table.error("allow", fmt::format("nobody can connect; {} says where it listens", key));
+    if (list)
+      table.error("allow",
+                  fmt::format("no client can connect: {} is missing, the address where it listens", key));
     return {};
   }
   const auto address = link::parse_internet_address(place->host);
@@ -260,11 +267,11 @@ link::AllowList read_allowed(text::TableReader& table, std::string_view key, std
 std::vector<MelsecPortSection> read_melsec_ports(text::TableReader& table, const plc::CpuModel& model) {
   std::vector<MelsecPortSection> ports;
   std::optional<text::HostAndPort> listen;
-  const auto text = table.text("listen");
-  if (!text) {
+  const toml::node* const found = table.find("listen");
+  if (found == nullptr) {
     // A file that lists its ports means these.
-    if (table.find("port") == nullptr) listen = text::HostAndPort{.port = usual_port};
-  } else if (*text != "off") {
+    if (table.find("port") == nullptr) listen = text::HostAndPort{.port = default_port};
+  } else if (found->value_or(std::string_view()) != "off") {
     listen = table.parsed("listen", text::parse_host_and_port);
   }
   const link::AllowList allowed = read_allowed(table, "listen", "MC protocol", listen);

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 
 namespace canopus::plant {
@@ -263,8 +264,8 @@ class References {
       const auto [index, sub] = behaviour.object;
       const auto [other, is_new] = moved.try_emplace({index, sub}, behaviour.place.line);
       if (is_new) continue;
-      error(behaviour.place, "behaviour: {:04X}H:{:02X}H moves already, by the one in line {}", index, sub,
-            other->second);
+      error(behaviour.place, "behaviour: {} moves already, by the one in line {}",
+            canopen::object_text(index, sub), other->second);
     }
   }
 
@@ -303,7 +304,7 @@ class References {
       return error(slave.place, "slave: node {} is the module itself", slave.node);
     if (may_appear(master.bus) || bus.may_have_others) return;
     error(slave.place,
-          "slave: there is no device or module with node = {} on bus \"{}\"; for a node outside of the plant "
+          "slave: there is no device or module with node = {} on bus \"{}\"; for an external node "
           "the bus needs serve or link",
           slave.node, master.bus);
   }
@@ -313,8 +314,7 @@ class References {
       return error(slave.place, "slave: node {} is the module itself; expected another node", slave.node);
     }
     if (!slave.eds.empty()) {
-      error(slave.eds_place,
-            "slave: eds is for a node outside of the plant; node {} is in the plant file, in line {}",
+      error(slave.eds_place, "slave: eds is for an external node; node {} is in the plant file, in line {}",
             slave.node, member.place.line);
     }
     if (member.module == nullptr || !member.module->master) return;

@@ -43,6 +43,13 @@ void read_place(text::TableReader& table, const plc::CpuModel& cpu, ModuleSectio
 [[nodiscard]] ParametersSection read_parameters(text::TableReader& table, const plc::CpuModel& cpu);
 /// [plc.module.download].
 [[nodiscard]] DownloadSection read_download(text::TableReader& table);
+/// program = ["main.st"] of a [[plc]], and whether it is written so, and not as [[plc.program]].
+[[nodiscard]] bool has_program_files(text::TableReader& table);
+[[nodiscard]] std::vector<ProgramFile> read_program_files(text::TableReader& table);
+/// labels = ["labels.csv"] of a [[plc]] with a program.
+[[nodiscard]] std::vector<ProgramFile> read_label_files(text::TableReader& table);
+/// [[plc.task]] of a [[plc]] with program = ["main.st"].
+[[nodiscard]] std::vector<TaskSection> read_tasks(text::TableReader& table, const plc::CpuModel& cpu);
 /// [[plc.program]] of a [[plc]].
 [[nodiscard]] std::vector<ProgramSection> read_programs(text::TableReader& table, const plc::CpuModel& cpu);
 

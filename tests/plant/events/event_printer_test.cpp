@@ -124,5 +124,14 @@ TEST(Summary, SaysWhoIsNotOperational) {
                                    "line1 node 77: stopped, 0 PDOs sent", "1 of 2 nodes operational"));
 }
 
+TEST(Summary, ASpeedBelowTenTimes_HasADecimal) {
+  const auto speed = [](can::Duration wall) {
+    return describe(RunSummary{.end = can::Time{10s}, .wall = wall, .virtual_time = true}).front();
+  };
+  EXPECT_EQ(speed(40s), "ran 10.000 s of plant time in 40.000 s, 0.2 times as fast as real time");
+  EXPECT_EQ(speed(10s), "ran 10.000 s of plant time in 10.000 s, 1.0 times as fast as real time");
+  EXPECT_EQ(speed(1s), "ran 10.000 s of plant time in 1.000 s, 10 times as fast as real time");
+}
+
 }  // namespace
 }  // namespace canopus::plant::event_printer_test

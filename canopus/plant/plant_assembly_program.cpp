@@ -1,0 +1,260 @@
+// The racks of a plant and the programs of their CPUs.
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "canopus/ascii/words.hpp"
+#include "canopus/c_program/c_program.hpp"
+#include "canopus/plant/event.hpp"
+#include "canopus/plant/label_file.hpp"
+#include "canopus/plant/plant_assembly.hpp"
+#include "canopus/plant/plc_program.hpp"
+#include "canopus/plant/plcopen_source.hpp"
+#include "canopus/plant/program_languages.hpp"
+#include "canopus/plant/program_library.hpp"
+#include "canopus/plc/execution/instruction_time.hpp"
+#include "canopus/plc/execution/program_execution.hpp"
+#include "canopus/program/variables.hpp"
+#include "canopus/store/file_memory.hpp"
+#include "canopus/structured_text/compiler.hpp"
+#include "canopus/text/file_text.hpp"
+#include "canopus/text/nearest_word.hpp"
+
+namespace canopus::plant {
+
+namespace {
+
+/// Every PROGRAM that a task names must be there.
+void check_tasks(const PlcSection& plc, const program::Program& program,
+                 std::vector<text::FileError>& errors) {
+  std::vector<std::string_view> names;
+  for (const std::uint32_t number : program.programs) names.emplace_back(program.functions[number].name);
+  for (const TaskSection& section : plc.tasks) {
+    for (std::size_t i = 0; i < section.task.programs.size(); ++i) {
+      const std::string& wanted = section.task.programs[i];
+      if (std::ranges::any_of(
+              names, [&](std::string_view name) { return ascii::equal_ignoring_case(name, wanted); }))
+        continue;
+      errors.push_back(
+          {section.program_places[i], fmt::format("programs: \"{}\": the program has no such PROGRAM{}",
+                                                  wanted, text::suggestion(wanted, names))});
+    }
+  }
+}
+
+/// Without the program, if a task names a PROGRAM that it has not.
+PlcProgram with_tasks_checked(const PlcSection& plc, PlcProgram made) {
+  if (made.program != nullptr) check_tasks(plc, *made.program, made.errors);
+  if (!made.errors.empty()) made.program = nullptr;
+  return made;
+}
+
+bool is_native(const ProgramFile& file) { return c_program::is_shared_object(file.path); }
+
+/// The program of a PLC whose file is a shared object.
+PlcProgram load_native_code(const PlcSection& plc, const std::filesystem::path& folder) {
+  text::FileErrors errors;
+  const ProgramFile& file = *std::ranges::find_if(plc.program_files, is_native);
+  if (plc.program_files.size() != 1) {
+    errors.add(file.place, "program = \"{}\": expected a shared object alone, without other files",
+               file.path);
+  } else if (!plc.allows_native_code) {
+    errors.add(
+        file.place,
+        "program = \"{}\" is native code, which can do here whatever you can; if you trust it, run the "
+        "plant by canopus run --allow-native",
+        file.path);
+  } else if (!plc.label_files.empty()) {
+    errors.add(
+        plc.label_files.front().place,
+        "labels = \"{}\": expected none beside a shared object, which has its variables' devices itself",
+        plc.label_files.front().path);
+  } else {
+    auto made =
+        c_program::load((folder / file.path).lexically_normal().string(), plc::CpuDeviceNames(plc.cpu_model));
+    if (made) return with_tasks_checked(plc, {.program = std::move(*made)});
+    errors.add(file.place, "program = \"{}\": {}", file.path, made.error());
+  }
+  return {.errors = errors.release()};
+}
+
+void add_mistakes(const ProgramFile& file, std::string_view key,
+                  std::span<const structured_text::CompileError> mistakes, text::FileErrors& errors) {
+  for (const structured_text::CompileError& error : mistakes) {
+    errors.add(file.place, "{} = \"{}\": {}:{}:{}: {}", key, file.path, error.file, error.line, error.column,
+               error.message);
+  }
+}
+
+/// The Structured Text of a PLCopen XML.
+std::string plcopen_text(const ProgramFile& file, const std::string& path, std::string_view bytes,
+                         text::FileErrors& errors) {
+  PlcopenSource made = structured_text_of_plcopen(path, bytes);
+  add_mistakes(file, "program", made.errors, errors);
+  return std::move(made.text);
+}
+
+/// A file of labels as Structured Text. Its name is another one: the text is not that of a program in this format.
+structured_text::Source label_source(const ProgramFile& file, const std::filesystem::path& folder,
+                                     std::vector<plc::DeviceLabel>& labels,
+                                     std::vector<instruction_list::Label>& list_labels,
+                                     text::FileErrors& errors) {
+  const std::string path = (folder / file.path).lexically_normal().string();
+  const auto text = text::read_file_or_reason(path);
+  if (!text) {
+    errors.add(file.place, "labels = \"{}\": {}", file.path, text.error());
+    return {};
+  }
+  LabelFile made = read_labels(path, *text);
+  add_mistakes(file, "labels", made.errors, errors);
+  labels.insert(labels.end(), made.labels.begin(), made.labels.end());
+  list_labels.insert(list_labels.end(), made.list_labels.begin(), made.list_labels.end());
+  return {path + " (labels)", std::move(made.text)};
+}
+
+/// The latest label is a local one: its file has the name of a list.
+void check_local_labels(const ProgramFile& file, const PlcSection& plc,
+                        std::span<const instruction_list::Label> labels, text::FileErrors& errors) {
+  if (labels.empty() || labels.back().program.empty()) return;
+  const std::string& name = labels.back().program;
+  if (std::ranges::any_of(plc.program_files, [&](const ProgramFile& each) {
+        return ascii::lower(each.path).ends_with(".csv") &&
+               ascii::equal_ignoring_case(instruction_list::program_name(each.path), name);
+      }))
+    return;
+  errors.add(file.place,
+             "labels = \"{}\": these are local labels (class VAR) of a program {}; expected an instruction "
+             "list {}.csv in program",
+             file.path, name, name);
+}
+
+}  // namespace
+
+PlcProgram compile_program(const PlcSection& plc, const std::string& plant_file) {
+  const std::filesystem::path folder = std::filesystem::path(plant_file).parent_path();
+  if (std::ranges::any_of(plc.program_files, is_native)) return load_native_code(plc, folder);
+  text::FileErrors errors;
+  std::vector<structured_text::Source> sources;
+  std::vector<const ProgramFile*> files;  // of each source
+  std::vector<plc::DeviceLabel> labels;
+  std::vector<instruction_list::Label> list_labels;
+  for (const ProgramFile& file : plc.program_files) {
+    if (file.path.starts_with(ProgramFile::library)) {
+      if (std::ranges::any_of(std::span(plc.program_files.data(), &file), [&](const ProgramFile& other) {
+            return ascii::equal_ignoring_case(other.path, file.path);
+          })) {
+        errors.add(file.place, "program = \"{}\": it is in the list twice", file.path);
+        continue;
+      }
+      std::vector<structured_text::Source> before;
+      std::ranges::copy_if(sources, std::back_inserter(before), [](const structured_text::Source& source) {
+        return source.name.starts_with(ProgramFile::library);
+      });
+      auto library = library_sources(file.path, plc, before);
+      if (!library) errors.add(file.place, "program = \"{}\": {}", file.path, library.error());
+      for (auto& source : library.value_or(std::vector<structured_text::Source>{})) {
+        sources.push_back(std::move(source));
+        files.push_back(&file);
+      }
+      continue;
+    }
+    const std::string path = (folder / file.path).lexically_normal().string();
+    auto text = text::read_file_or_reason(path);
+    if (!text) {
+      errors.add(file.place, "program = \"{}\": {}", file.path, text.error());
+      continue;
+    }
+    if (ascii::lower(path).ends_with(".xml")) *text = plcopen_text(file, path, *text, errors);
+    sources.push_back({path, std::move(*text)});
+    files.push_back(&file);
+  }
+  for (const ProgramFile& file : plc.label_files) {
+    sources.push_back(label_source(file, folder, labels, list_labels, errors));
+    files.push_back(&file);
+    check_local_labels(file, plc, list_labels, errors);
+  }
+  if (!errors.empty()) return {nullptr, errors.release()};
+  const plc::CpuDeviceNames devices(plc.cpu_model);
+  structured_text::Compilation made = compile_languages(sources, plc.cpu_model, devices, list_labels);
+  for (const structured_text::CompileError& error : made.errors) {
+    std::size_t number = 0;
+    while (number + 1 < sources.size() && sources[number].name != error.file) ++number;
+    const ProgramFile& file = *files[number];
+    add_mistakes(file, number < files.size() - plc.label_files.size() ? "program" : "labels", {&error, 1},
+                 errors);
+  }
+  sources.resize(sources.size() - plc.label_files.size());  // those are no text of the program
+  PlcProgram result{std::move(made.program), errors.release()};
+  result.labels = std::move(labels);
+  for (structured_text::Source& source : sources)
+    result.sources.push_back({std::move(source.name), std::move(source.text)});
+  return with_tasks_checked(plc, std::move(result));
+}
+
+std::vector<plc::ProgramTask> tasks_of(const PlcSection& plc) {
+  std::vector<plc::ProgramTask> tasks;
+  for (const TaskSection& section : plc.tasks) tasks.push_back(section.task);
+  return tasks;
+}
+
+bool has_retained(const program::Program& program) {
+  bool found = false;
+  program::for_each_variable(program, [&](const program::SingleVariable& variable) {
+    found = variable.is_retained && !variable.is_constant;
+    return !found;
+  });
+  return found;
+}
+
+void Assembly::add_rack(const PlcSection& plc, std::size_t number) {
+  const std::size_t part = parts_.division.racks[number];
+  PlcProgram made;
+  if (!plc.program_files.empty()) {
+    made = compile_program(plc, parts_.file.path);
+    errors_.add(made.errors);
+    if (made.program != nullptr && made.program->plugin != nullptr) {
+      const ProgramFile& file = plc.program_files.front();
+      warn(file.place, "program = \"{}\" is native code: it runs with all your rights", file.path);
+    }
+  }
+  std::optional<can::Duration> scan = plc.scan;
+  if (made.program != nullptr && !scan) scan = plc::estimated_scan(*made.program, plc.cpu_model.family);
+  parts_.racks.push_back(std::make_unique<plc::Rack>(parts_.timeline_of(part), plc.cpu_model, scan));
+  const bool has_kept = made.program != nullptr && has_retained(*made.program);
+  if (!plc.store.empty() && plc.modules.empty() && !has_kept) {
+    warn(plc.store_place, "store = \"{}\": the PLC has no module that could store anything", plc.store);
+  }
+  if (made.program == nullptr) {
+    parts_.executions.push_back(nullptr);
+    return;
+  }
+  module::NonVolatileMemory* memory = nullptr;
+  const auto report = [&observer = *parts_.events[part], name = plc.name](const std::string& text,
+                                                                          can::Time now) {
+    observer.on({now, Failure{fmt::format("PLC {}", name), fmt::format("{}; the CPU is in STOP", text)}});
+  };
+  if (!plc.store.empty() && has_kept) {
+    const StoredAs stored = stores_.claim(plc, errors_);
+    parts_.program_memories.push_back(std::make_unique<store::FileMemory>(stored.folder, stored.owner));
+    memory = parts_.program_memories.back().get();
+  }
+  parts_.executions.push_back(
+      std::make_unique<plc::ProgramExecution>(parts_.timeline_of(part), *parts_.racks.back(),
+                                              plc::ProgramParts{.program = std::move(made.program),
+                                                                .sources = std::move(made.sources),
+                                                                .labels = std::move(made.labels),
+                                                                .tasks = tasks_of(plc),
+                                                                .watchdog = plc.watchdog,
+                                                                .memory = memory},
+                                              report));
+  for (const std::string& variable : parts_.executions.back()->not_restored())
+    warn(plc.store_place, "store = \"{}\": RETAIN variable {}; it has its initial value", plc.store,
+         variable);
+}
+
+}  // namespace canopus::plant
