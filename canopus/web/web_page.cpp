@@ -12,6 +12,7 @@
 #include "canopus/text/shortened.hpp"
 #include "canopus/web/access/secret.hpp"
 #include "canopus/web/access/users.hpp"
+#include "canopus/web/commands/program_commands.hpp"
 #include "canopus/web/state/node_detail_view.hpp"
 #include "canopus/web/state/view_fields.hpp"
 
@@ -19,9 +20,10 @@ namespace canopus::web {
 namespace {
 
 /// Whoever knows the key may do what the one may who runs the program: other users of this machine do not.
-WebServerOptions options_of(const WebAccess& access) {
+WebServerOptions options_of(const WebAccess& access, const std::expected<PageFiles, std::string>& files) {
   WebServerOptions options{
       .role = WebRole::configure, .key = new_secret(), .gate = {}, .origin = access.origin};
+  if (files) options.files = std::make_shared<const PageFiles>(*files);
   if (!access.users.empty()) {
     options.gate.read_users = [file = access.users] { return read_web_users(file); };
   }
@@ -37,14 +39,9 @@ std::string one_line(std::string message) {
 
 using OwnCommands = std::map<std::string, WebCommands::Own, std::less<>>;
 
-std::string word_of(const text::Json& wish, const char* key) {
-  const auto found = wish.find(key);
-  return found != wish.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
 /// {"command": "pace", "speed": 2}, 0: plant time stands still; {"command": "pace", "run": "100ms"}: it goes on for so long.
 std::expected<text::Json, std::string> change_pace(const WebPace& pace, const text::Json& wish) {
-  if (const std::string time = word_of(wish, "run"); !time.empty()) {
+  if (const std::string time = wish.value("run", ""); !time.empty()) {
     const auto duration = text::parse_duration(time);
     if (!duration) return std::unexpected("run: " + duration.error());
     pace.set_speed(pace.speed() == 0 ? 1 : pace.speed(), *duration);
@@ -61,25 +58,21 @@ std::expected<text::Json, std::string> change_pace(const WebPace& pace, const te
   return text::Json{{"speed", value}};
 }
 
-/// {"command": "plants"}, {"command": "open", "path": "..."} (no path: the built-in plant), {"command": "end", "number": 3}, {"command": "new project", "name": "..."},
-/// {"command": "new settings", "name": "...", "model": "RJ71CN91"}, {"command": "save as", "path": "...", "name": "..."}, {"command": "recent projects"}, {"command": "exit"};
-/// {"command": "trace", ...} and {"command": "export trace", ...}, trace_query_engine.hpp; and of the faults of simulated buses {"command": "faults"}, {"command": "run faults", ...}, web_faults.hpp; {"command": "domain words", ...},
-/// node_detail_view.hpp; of the plant's modules {"command": "clear errors", "number": 0} and {"command": "reset module", ...}, web_modules.hpp.
-OwnCommands own_commands(WebStart* start, plant::Plant& plant, WebFaults& faults, WebModules& modules,
-                         WebTrace& trace, const WebPace& pace) {
-  OwnCommands own;
-  using Done = WebCommands::Own::Done;
-  own["domain words"] = {
-      .role = WebRole::operate,
-      .is_noted = false,
-      .fields = {"bus", "object", "bytes"},
-      .run = [&plant](const text::Json& wish, const Done& done) { done(domain_in_words(plant, wish)); }};
+using Done = WebCommands::Own::Done;
+
+void add_fault_commands(OwnCommands& own, WebFaults& faults) {
   own["faults"] = {.role = WebRole::look,
                    .run = [&faults](const text::Json&, const Done& done) { done(faults.list()); }};
   own["run faults"] = {
       .role = WebRole::operate,
       .fields = {"bus", "seed", "faults"},
       .run = [&faults](const text::Json& wish, const Done& done) { done(faults.run(wish)); }};
+  own["end fault"] = {.role = WebRole::operate,
+                      .fields = {"bus", "number"},
+                      .run = [&faults](const text::Json& wish, const Done& done) { done(faults.end(wish)); }};
+}
+
+void add_module_commands(OwnCommands& own, WebModules& modules) {
   const auto live_bus = [&modules](const text::Json& wish) { return modules.live_bus(wish); };
   own["clear errors"] = {
       .role = WebRole::operate,
@@ -91,81 +84,135 @@ OwnCommands own_commands(WebStart* start, plant::Plant& plant, WebFaults& faults
       .fields = {"number"},
       .run = [&modules](const text::Json& wish, Done done) { modules.restart(wish, std::move(done)); },
       .live_bus = live_bus};
+  own["write word"] = {
+      .role = WebRole::operate,
+      .fields = {"number", "address", "value"},
+      .run = [&modules](const text::Json& wish, const Done& done) { done(modules.write_word(wish)); },
+      .live_bus = live_bus};
+}
+
+void add_sending_commands(OwnCommands& own, FrameSending& sending) {
+  own["send frames"] = {
+      .role = WebRole::configure,
+      .fields = {"bus", "frames", "interval", "repeat"},
+      .run = [&sending](const text::Json& wish, Done done) { sending.send(wish, std::move(done)); },
+      .live_bus = [&sending](const text::Json& wish) { return sending.live_bus(wish); }};
+  own["stop frames"] = {.role = WebRole::configure,
+                        .run = [&sending](const text::Json&, const Done& done) { done(sending.stop()); }};
+}
+
+/// Of the run, or with "file" of a recorded trace.
+void add_trace_commands(OwnCommands& own, WebTrace& trace, TraceFiles& files) {
   own["trace"] = {.role = WebRole::look,
                   .is_noted = false,
-                  .fields = {"filter", "fold", "from", "count", "frames", "statistics"},
-                  .run = [&trace](const text::Json& wish, Done done) { trace.look(wish, std::move(done)); }};
-  own["export trace"] = {
-      .role = WebRole::look,
+                  .fields = {"filter", "fold", "from", "at", "count", "frames", "statistics", "file"},
+                  .run = [&trace, &files](const text::Json& wish, Done done) {
+                    if (wish.contains("file")) return files.query(wish, std::move(done));
+                    trace.query(wish, std::move(done));
+                  }};
+  own["export trace"] = {.role = WebRole::look,
+                         .is_noted = false,
+                         .fields = {"filter", "format", "part", "file"},
+                         .run = [&trace, &files](const text::Json& wish, Done done) {
+                           if (wish.contains("file")) return files.export_part(wish, std::move(done));
+                           trace.export_part(wish, std::move(done));
+                         }};
+  own["trace files"] = {.role = WebRole::operate,
+                        .is_noted = false,
+                        .run = [&files](const text::Json&, const Done& done) { done(files.list()); }};
+  own["open trace"] = {
+      .role = WebRole::operate,
+      .fields = {"path", "upload"},
+      .run = [&files](const text::Json& wish, Done done) { files.open(wish, std::move(done)); }};
+  own["upload trace"] = {
+      .role = WebRole::operate,
+      .fields = {"name", "size"},
+      .run = [&files](const text::Json& wish, const Done& done) { done(files.begin_upload(wish)); }};
+  own["upload part"] = {
+      .role = WebRole::operate,
       .is_noted = false,
-      .fields = {"filter", "format", "part"},
-      .run = [&trace](const text::Json& wish, Done done) { trace.export_part(wish, std::move(done)); }};
-  if (pace.set_speed) {
-    own["pace"] = {
-        .role = WebRole::operate,
-        .fields = {"speed", "run"},
-        .run = [pace](const text::Json& wish, const Done& done) { done(change_pace(pace, wish)); }};
-  }
-  if (start == nullptr) return own;
+      .fields = {"upload", "data"},
+      .run = [&files](const text::Json& wish, Done done) { files.add_part(wish, std::move(done)); }};
+  own["close trace"] = {
+      .role = WebRole::operate,
+      .is_noted = false,
+      .fields = {"file"},
+      .run = [&files](const text::Json& wish, const Done& done) { done(files.close(wish)); }};
+}
+
+void add_pace_command(OwnCommands& own, const WebPace& pace) {
+  if (!pace.set_speed) return;
+  own["pace"] = {.role = WebRole::operate,
+                 .fields = {"speed", "run"},
+                 .run = [pace](const text::Json& wish, const Done& done) { done(change_pace(pace, wish)); }};
+}
+
+void add_start_commands(OwnCommands& own, WebStart& start) {
   own["plants"] = {.role = WebRole::look,
-                   .run = [start](const text::Json&, const Done& done) { done(start->list()); }};
+                   .run = [&start](const text::Json&, const Done& done) { done(start.list()); }};
   own["open"] = {
-      .role = WebRole::configure, .fields = {"path"}, .run = [start](const text::Json& wish, Done done) {
-        start->open(word_of(wish, "path"), std::move(done));
+      .role = WebRole::configure, .fields = {"path"}, .run = [&start](const text::Json& wish, Done done) {
+        start.open(wish.value("path", ""), std::move(done));
       }};
   own["end"] = {.role = WebRole::configure,
                 .fields = {"number"},
-                .run = [start](const text::Json& wish, const Done& done) {
+                .run = [&start](const text::Json& wish, const Done& done) {
                   const auto number = wish.find("number");
                   const bool is_number = number != wish.end() && number->is_number_unsigned();
-                  start->end(is_number ? number->get<std::uint64_t>() : UINT64_MAX, done);
+                  start.end(is_number ? number->get<std::uint64_t>() : UINT64_MAX, done);
                 }};
+  own["new plant"] = {
+      .role = WebRole::configure,
+      .fields = {"name", "model", "bit_rate", "devices"},
+      .run = [&start](const text::Json& wish, Done done) { start.make_plant(wish, std::move(done)); }};
   own["new project"] = {
-      .role = WebRole::configure, .fields = {"name"}, .run = [start](const text::Json& wish, Done done) {
-        start->make_project(word_of(wish, "name"), std::move(done));
-      }};
+      .role = WebRole::configure,
+      .fields = {"name", "bit_rate", "devices"},
+      .run = [&start](const text::Json& wish, Done done) { start.make_project(wish, std::move(done)); }};
   own["recent projects"] = {.role = WebRole::configure,
                             .is_noted = false,
-                            .run = [start](const text::Json&, const Done& done) { done(start->recent()); }};
+                            .run = [&start](const text::Json&, const Done& done) { done(start.recent()); }};
   own["exit"] = {.role = WebRole::configure,
-                 .run = [start](const text::Json&, const Done& done) { start->exit(done); }};
+                 .run = [&start](const text::Json&, const Done& done) { start.exit(done); }};
   own["save as"] = {.role = WebRole::configure,
                     .fields = {"path", "name"},
-                    .run = [start](const text::Json& wish, Done done) {
-                      start->save_settings_as(word_of(wish, "path"), word_of(wish, "name"), std::move(done));
+                    .run = [&start](const text::Json& wish, Done done) {
+                      start.save_settings_as(wish.value("path", ""), wish.value("name", ""), std::move(done));
                     }};
   own["new settings"] = {.role = WebRole::configure,
                          .fields = {"name", "model"},
-                         .run = [start](const text::Json& wish, Done done) {
-                           start->make_settings(word_of(wish, "name"), word_of(wish, "model"),
-                                                std::move(done));
+                         .run = [&start](const text::Json& wish, Done done) {
+                           start.make_settings(wish.value("name", ""), wish.value("model", ""),
+                                               std::move(done));
                          }};
-  return own;
 }
 
 }  // namespace
 
 WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClock& clock, WebEvents& events,
-                 std::vector<WebBus> buses, std::vector<WebSettings> settings, const std::string& start,
+                 std::vector<WebBus> buses, std::vector<WebSettings> settings, const WebFolders& folders,
                  WebAccess access, WebPace pace, const link::ClientReport& report)
     : plant_(plant),
       access_(std::move(access)),
+      files_(PageFiles::of_program(ChildProcess::itself)),
       report_(report),
       events_(events),
       messages_(plant),
       views_(plant, events.boots()),
       trace_(io, plant, messages_.names()),
-      start_(start.empty()
+      trace_files_(io, folders.traces, messages_.names()),
+      start_(folders.start.empty()
                  ? std::nullopt
-                 : std::optional<WebStart>(std::in_place, io, start, ChildProcess::itself, access_)),
+                 : std::optional<WebStart>(std::in_place, io, folders.start, ChildProcess::itself, access_)),
       faults_(plant, clock),
       modules_(plant, clock),
       bus_commands_(io, plant, clock),
+      frame_sending_(io, plant, clock),
       commands_(
           io,
           {.buses = std::move(buses),
            .settings = std::move(settings),
-           .own = own_commands(start_ ? &*start_ : nullptr, plant, faults_, modules_, trace_, pace),
+           .own = own_commands(pace, clock),
            .on_bus = [this](const WebCommandLine& line,
                             RunningCommand::Use use) { return bus_commands_.start(line, std::move(use)); },
            .now = [&plant] { return plant.timeline().now(); },
@@ -178,13 +225,32 @@ WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClo
                                         pace.speed ? pace.speed() : 1);
                    },
                .lost = [&events](std::uint64_t count) { return events.lost(count); },
-               .messages = [this](bool wanted) { return messages_.look(wanted); },
-               .view = [this](std::string_view view) { return views_.look(view); },
+               .messages = [this](bool wanted) { return messages_.take_new(wanted); },
+               .view = [this](std::string_view view) { return views_.event_of(view); },
                .command = [this](const WebUser& user, std::string_view command, std::uint32_t id,
                                  WebReply reply) { commands_.run(user, command, id, std::move(reply)); },
                .note = [this](const WebUser& user, const std::string& what,
                               int code) { write(user, what, code, {}, WebRole::operate); }},
-              options_of(access_), report) {}
+              options_of(access_, files_), report) {}
+
+/// Those of docs/web.md that are no command line of the program.
+std::map<std::string, WebCommands::Own, std::less<>> WebPage::own_commands(const WebPace& pace,
+                                                                           link::LoopClock& clock) {
+  OwnCommands own;
+  own["domain words"] = {
+      .role = WebRole::operate,
+      .is_noted = false,
+      .fields = {"bus", "object", "bytes"},
+      .run = [this](const text::Json& wish, const Done& done) { done(domain_in_words(plant_, wish)); }};
+  add_fault_commands(own, faults_);
+  add_module_commands(own, modules_);
+  add_sending_commands(own, frame_sending_);
+  add_trace_commands(own, trace_, trace_files_);
+  add_pace_command(own, pace);
+  add_program_commands(own, plant_, clock);
+  if (start_) add_start_commands(own, *start_);
+  return own;
+}
 
 std::expected<void, std::string> WebPage::open_access() {
   if (!access_.users.empty()) {
@@ -207,6 +273,7 @@ std::expected<void, std::string> WebPage::listen(const text::HostAndPort& place)
   auto result = server_.listen(place.host, place.port);
   if (!result) return result;
   events_.set_listener([this](std::string_view event) { server_.event(event); });
+  if (report_ && !files_) report_(fmt::format("{} ({})", PageFiles::missing, files_.error()));
   const auto address = link::parse_internet_address(place.host);
   const bool leaves_machine = address && !link::is_loopback(*address);
   if (report_ && leaves_machine && !access_.origin.starts_with("https://")) {

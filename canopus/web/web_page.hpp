@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <expected>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,13 +23,16 @@
 #include "canopus/web/commands/bus_commands.hpp"
 #include "canopus/web/commands/commands.hpp"
 #include "canopus/web/commands/faults.hpp"
+#include "canopus/web/commands/frame_sending.hpp"
 #include "canopus/web/commands/modules.hpp"
 #include "canopus/web/commands/start_page.hpp"
+#include "canopus/web/http/page_files.hpp"
 #include "canopus/web/server/server.hpp"
 #include "canopus/web/state/events.hpp"
 #include "canopus/web/state/messages.hpp"
 #include "canopus/web/state/views.hpp"
 #include "canopus/web/trace/live_trace.hpp"
+#include "canopus/web/trace/trace_files.hpp"
 
 namespace canopus::web {
 
@@ -47,16 +51,21 @@ struct WebPace {
       set_speed{};  ///< for so long, then it stands still; max(): for ever
 };
 
+/// What the page may open files of.
+struct WebFolders {
+  std::string start{};   ///< plants and projects that it offers; empty: it offers none
+  std::string traces{};  ///< recorded traces; empty: none
+};
+
 class WebPage {
  public:
   static constexpr double slowest = 0.01;
   static constexpr double fastest = 100;
 
   /// All must outlive the page; `buses` and `settings` are those that its commands are for.
-  /// `start`: the folder whose plants and projects the page offers; empty: it offers none. `pace`: without functions plant time
-  /// goes with the clock.
+  /// `pace`: without functions plant time goes with the clock.
   WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClock& clock, WebEvents& events,
-          std::vector<WebBus> buses, std::vector<WebSettings> settings, const std::string& start,
+          std::vector<WebBus> buses, std::vector<WebSettings> settings, const WebFolders& folders,
           WebAccess access, WebPace pace, const link::ClientReport& report);
 
   /// Reads the users and opens the audit log, too. The error is a sentence.
@@ -72,10 +81,14 @@ class WebPage {
   void write(const WebUser& user, const std::string& what, int code, const std::string& message,
              WebRole role);
 
+  [[nodiscard]] std::map<std::string, WebCommands::Own, std::less<>> own_commands(const WebPace& pace,
+                                                                                  link::LoopClock& clock);
+
   static constexpr std::uint64_t most_refused_a_second = 5;
 
   plant::Plant& plant_;
   WebAccess access_;
+  std::expected<PageFiles, std::string> files_;
   std::chrono::steady_clock::time_point refused_since_{};
   std::uint64_t refused_ = 0;   // since then, of users who only look
   std::uint64_t left_out_ = 0;  // of these
@@ -85,10 +98,12 @@ class WebPage {
   WebMessages messages_;
   WebViews views_;
   WebTrace trace_;
+  TraceFiles trace_files_;
   std::optional<WebStart> start_;
   WebFaults faults_;
   WebModules modules_;
   BusCommands bus_commands_;
+  FrameSending frame_sending_;
   WebCommands commands_;
   WebServer server_;
 };

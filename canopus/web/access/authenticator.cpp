@@ -90,14 +90,14 @@ void Authenticator::log_in(std::string_view form, const Client& client, const We
   const std::string name(fields ? value_of(*fields, "name") : "");
   const std::string password(fields ? value_of(*fields, "password") : "");
   if (name.empty() || name.size() > 64 || password.empty() || password.size() > longest_password) {
-    return answer(log_in_page(400, "A name and a password are needed."));
+    return answer(log_in_page(place, 400, "A name and a password are needed."));
   }
   WebUser user{.name = name, .address = client.name};
   if (const auto wait = attempts_.wait(client.address, name, now); wait.count() != 0) {
     if (now - refused_ > std::chrono::seconds(10))
       note({.name = "?", .address = client.name}, "log in", too_many_attempts);
     refused_ = now;
-    WebAnswer refused = log_in_page(429, fmt::format("Too many attempts. Wait {} s.", wait.count()));
+    WebAnswer refused = log_in_page(place, 429, fmt::format("Too many attempts. Wait {} s.", wait.count()));
     refused.fields = fmt::format("Retry-After: {}\r\n", wait.count());
     return answer(refused);
   }
@@ -109,7 +109,7 @@ void Authenticator::log_in(std::string_view form, const Client& client, const We
       if (const auto self = gate.lock()) self->looked_up(found, user, client, place, now, answer);
     });
   });
-  if (!is_taken) answer(log_in_page(503, "Too many log in at the same time. Try again."));
+  if (!is_taken) answer(log_in_page(place, 503, "Too many log in at the same time. Try again."));
 }
 
 /// The one answer for a wrong name and for a wrong password. What was typed as an unknown name may be a password: it is not noted.
@@ -118,12 +118,12 @@ void Authenticator::looked_up(const Found& found, WebUser user, const Client& cl
   take(found);
   if (!found.fits) {
     note({.name = found.account ? user.name : "?", .address = client.name}, "log in", wrong_password);
-    return answer(log_in_page(401, "The name or the password is wrong."));
+    return answer(log_in_page(place, 401, "The name or the password is wrong."));
   }
   user.role = found.account->role;
   attempts_.succeeded(client.address, user.name);
   const auto session = sessions_.begin(user, found.account->hash, now);
-  if (session == nullptr) return answer(log_in_page(503, "Too many are logged in."));
+  if (session == nullptr) return answer(log_in_page(place, 503, "Too many are logged in."));
   note(user, "log in", 0);
   WebAnswer way = way_to("/");
   way.fields += cookie_field(place, session->secret, "");
@@ -136,13 +136,13 @@ void Authenticator::take(const Found& found) {
   if (trouble != trouble_ && !trouble.empty() && use_.report)
     use_.report(trouble + "; the users stay as they are");
   trouble_ = trouble;
-  if (found.accounts) sessions_.look_at(*found.accounts);
+  if (found.accounts) sessions_.update_users(*found.accounts);
 }
 
 WebAnswer Authenticator::log_out(std::string_view form, WebSession* session, const Client& client,
                                  const WebPlace& place) {
   const auto fields = read_form(form);
-  if (session == nullptr) return {.status = 401, .body = "nobody is logged in\n"};
+  if (session == nullptr) return {.status = 401, .body = "no user is logged in\n"};
   if (!fields || !is_same_secret(value_of(*fields, "key"), session->key)) {
     return {.status = 403, .body = "the form has not the key of the session\n"};
   }
@@ -160,9 +160,9 @@ WebAnswer Authenticator::described(const WebSession* session) {
   return {.content_type = "application/json", .body = text.dump()};
 }
 
-void Authenticator::look(WebMoment now) {
+void Authenticator::refresh(WebMoment now) {
   if (!has_users()) return;
-  sessions_.look(now);
+  sessions_.end_expired(now);
   if (is_looking_ || sessions_.size() == 0 || now - looked_ < options_.users_again) return;
   looked_ = now;
   is_looking_ =

@@ -64,8 +64,8 @@ class Authenticator : public std::enable_shared_from_this<Authenticator> {
                                   const WebPlace& place);
   /// What GET /session gets: user, role, and the key of the session; 401 for nobody.
   [[nodiscard]] static WebAnswer described(const WebSession* session);
-  /// Ends sessions whose time is over, and looks at the users again.
-  void look(WebMoment now);
+  /// Ends sessions whose time is over, and reads the users again.
+  void refresh(WebMoment now);
 
  private:
   /// What the thread found out.
@@ -87,7 +87,7 @@ class Authenticator : public std::enable_shared_from_this<Authenticator> {
   WebRate rate_;
   WebAttempts attempts_;
   WebSessions sessions_;
-  std::string trouble_;  // with the users, said already
+  std::string trouble_;  // with the users, reported already
   std::size_t salt_;     // what unknown users are compared with
   WebMoment looked_{};
   WebMoment refused_{};  // the last of too many attempts: of a flood the first is noted

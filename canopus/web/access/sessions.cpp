@@ -8,7 +8,7 @@
 namespace canopus::web {
 
 std::shared_ptr<WebSession> WebSessions::begin(WebUser user, std::string hash, WebMoment now) {
-  look(now);
+  end_expired(now);
   const auto is_his = [&](const auto& session) { return session->user.name == user.name; };
   if (std::cmp_greater_equal(std::ranges::count_if(sessions_, is_his), options_.most_of_user)) {
     end(**std::ranges::find_if(sessions_, is_his));
@@ -24,7 +24,7 @@ std::shared_ptr<WebSession> WebSessions::begin(WebUser user, std::string hash, W
 }
 
 std::shared_ptr<WebSession> WebSessions::find(std::string_view secret, WebMoment now) {
-  look(now);
+  end_expired(now);
   std::shared_ptr<WebSession> found;
   for (const auto& session : sessions_) {
     if (is_same_secret(session->secret, secret)) found = session;
@@ -38,7 +38,7 @@ void WebSessions::end(WebSession& session) {
   std::erase_if(sessions_, [](const auto& one) { return one->is_over; });
 }
 
-void WebSessions::look_at(const std::vector<WebAccount>& accounts) {
+void WebSessions::update_users(const std::vector<WebAccount>& accounts) {
   for (const auto& session : std::vector(sessions_)) {
     const auto account = std::ranges::find(accounts, session->user.name, &WebAccount::name);
     const bool stays =
@@ -47,7 +47,7 @@ void WebSessions::look_at(const std::vector<WebAccount>& accounts) {
   }
 }
 
-void WebSessions::look(WebMoment now) {
+void WebSessions::end_expired(WebMoment now) {
   for (const auto& session : std::vector(sessions_)) {
     const bool is_idle = session->user.role != WebRole::look && now - session->used > options_.longest_idle;
     if (is_idle || now - session->began > options_.longest) end(*session);

@@ -15,9 +15,9 @@
 namespace canopus::web {
 
 struct WebSession {
-  std::string secret{};  ///< what the cookie says
+  std::string secret{};  ///< the value of the cookie
   std::string
-      key{};  ///< what a page of this server alone can read, and says with what it changes (CSRF token)
+      key{};  ///< what a page of this server alone can read, and sends with what it changes (CSRF token)
   WebUser user{};
   std::string hash{};  ///< of the password that it began with
   WebMoment began{};
@@ -42,9 +42,9 @@ class WebSessions {
   [[nodiscard]] std::shared_ptr<WebSession> find(std::string_view secret, WebMoment now);
   void end(WebSession& session);
   /// Ends those whose time is over; whoever holds one asks `is_over`.
-  void look(WebMoment now);
+  void end_expired(WebMoment now);
   /// Ends those of users who are not there any more, or have another role or password.
-  void look_at(const std::vector<WebAccount>& accounts);
+  void update_users(const std::vector<WebAccount>& accounts);
   [[nodiscard]] std::size_t size() const noexcept { return sessions_.size(); }
 
  private:

@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/ascii/words.hpp"
 #include "canopus/web/access/password.hpp"
 
@@ -21,8 +22,7 @@ bool is_letter_or_digit(char letter) { return ascii::is_letter(letter) || ascii:
 
 std::expected<WebAccount, std::string> read_account(const std::vector<std::string_view>& words) {
   if (words.size() != 3) {
-    return std::unexpected(
-        fmt::format("expected NAME ROLE HASH, found {} word{}", words.size(), words.size() == 1 ? "" : "s"));
+    return std::unexpected("expected NAME ROLE HASH, found " + ascii::counted(words.size(), "word"));
   }
   if (!is_user_name(words[0])) {
     return std::unexpected(std::string(
@@ -45,7 +45,7 @@ std::string reason(int error) { return std::generic_category().message(error); }
 std::optional<std::string> objection(const struct stat& found) {
   if (!S_ISREG(found.st_mode)) return "expected a file";
   if (found.st_uid != ::geteuid() && found.st_uid != 0)
-    return "expected a file of who runs the program, or of root";
+    return "expected a file owned by the user of this program, or by root";
   constexpr unsigned wrong = S_IWGRP | S_IWOTH | S_IROTH;
   if ((found.st_mode & wrong) != 0) {
     return fmt::format("its mode is {:04o}: others can {} it; expected 0600 or 0640 (chmod 600)",

@@ -27,7 +27,7 @@ inline constexpr std::size_t most_users = 1000;
 
 /// 1 to 32 letters, digits and `. _ - @` of ASCII, a letter or digit first.
 [[nodiscard]] bool is_user_name(std::string_view text) noexcept;
-/// "look", "operate", "configure"; the error says what was expected.
+/// "look", "operate", "configure"; the error names what was expected.
 [[nodiscard]] std::expected<WebRole, std::string> parse_web_role(std::string_view text);
 
 /// The errors begin with `file`, and the line where one is wrong.

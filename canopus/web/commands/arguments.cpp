@@ -30,8 +30,8 @@ std::span<const WebCommandField> fields_of(const WebCommand& command) {
 /// Nothing that could not be an argument of a process.
 bool is_argument(const Json& value) {
   if (!value.is_string()) return false;
-  const auto& said = value.string();
-  return said.size() <= longest_text && !said.contains('\0');
+  const auto& given = value.string();
+  return given.size() <= longest_text && !given.contains('\0');
 }
 
 std::string names_of(std::span<const WebCommand> commands) {
@@ -40,7 +40,7 @@ std::string names_of(std::span<const WebCommand> commands) {
   return names;
 }
 
-/// What a field adds to a command line. The error says what was expected.
+/// What a field adds to a command line. The error names what was expected.
 std::expected<void, std::string> add_field(const WebCommandField& field, const Json& value,
                                            WebCommandLine& line, std::vector<std::string>& behind) {
   std::string name(field.name);
@@ -52,6 +52,7 @@ std::expected<void, std::string> add_field(const WebCommandField& field, const J
     case option:
       if (!is_argument(value)) return expected("a text of up to 1000 characters");
       line.arguments.push_back(fmt::format("--{}={}", name, value.get<std::string>()));
+      line.fields[std::string(field.name)] = value.get<std::string>();
       return {};
     case flag:
       if (!value.is_boolean()) return expected("true or false");
@@ -60,6 +61,7 @@ std::expected<void, std::string> add_field(const WebCommandField& field, const J
     case word:
       if (!is_argument(value)) return expected("a text of up to 1000 characters");
       behind.push_back(value.get<std::string>());
+      line.fields[std::string(field.name)] = value.get<std::string>();
       return {};
     case words:
       if (!value.is_array() || value.size() > most_texts || !std::ranges::all_of(value, is_argument)) {
@@ -97,6 +99,7 @@ WebCommandLine begin_line(const WebCommand& command) {
                       .role = command.role,
                       .joins_bus = command.joins_bus,
                       .writes_to_bus = command.writes_to_bus,
+                      .on_bus = command.on_bus,
                       .file_name = std::string(command.makes_file),
                       .makes_file = !command.makes_file.empty()};
   const std::string words(command.words.empty() ? command.title : command.words);
@@ -109,7 +112,7 @@ WebCommandLine begin_line(const WebCommand& command) {
   return line;
 }
 
-/// The fields of the wish, behind what is in `behind` already. `place`: the key that says what the command is for.
+/// The fields of the wish, behind what is in `behind` already. `place`: the key that names what the command is for.
 std::expected<void, std::string> end_line(const WebCommand& command, const Json& wish, std::string_view place,
                                           std::vector<std::string> behind, WebCommandLine& line) {
   const auto fields = fields_of(command);
@@ -130,7 +133,7 @@ std::expected<void, std::string> end_line(const WebCommand& command, const Json&
   }
   line.arguments.emplace_back("--");
   line.arguments.insert(line.arguments.end(), behind.begin(), behind.end());
-  // Without the page's answer nothing would be written, and that is what its answer says.
+  // Without the page's "yes" nothing is written: it answers what would be.
   if (command.writes_with_yes && !wish.value("yes", false)) line.writes_to_bus = false;
   return {};
 }
@@ -184,7 +187,7 @@ std::expected<WebCommandLine, std::string> web_command_line(const Json& wish, co
   if (command.takes_device_files)
     for (const std::string& one : settings.device_files) line.arguments.push_back("--eds=" + one);
   if (command.settings == Settings::option) line.arguments.push_back("--project=" + settings.file);
-  if (command.settings == Settings::model) line.arguments.push_back("--model=" + settings.model);
+  if (command.settings == Settings::model) line.arguments.push_back("--module=" + settings.model);
   std::vector<std::string> behind;
   if (command.settings == Settings::file) behind.push_back(settings.file);
   if (auto ended = end_line(command, wish, "settings", std::move(behind), line); !ended)

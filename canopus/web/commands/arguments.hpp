@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <expected>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,6 +13,7 @@
 
 #include "canopus/text/json.hpp"
 #include "canopus/web/access/user.hpp"
+#include "canopus/web/commands/command_table.hpp"
 #include "canopus/web/commands/settings.hpp"
 
 namespace canopus::web {
@@ -22,7 +25,7 @@ struct WebBus {
   unsigned network = 1;                     ///< of the list, from 1
   std::string address{};                    ///< for --bus; empty: commands cannot join it
   std::uint32_t bit_rate = 0;               ///< bit/s
-  bool is_live = false;                     ///< somebody else's devices: what writes wants to be armed
+  bool is_live = false;                     ///< it has real devices: commands that write want to be armed
   std::vector<std::string> device_files{};  ///< folders and files that devices are looked for in
 };
 
@@ -32,14 +35,23 @@ struct WebCommandLine {
   WebRole role = WebRole::look;
   bool joins_bus = false;
   bool writes_to_bus = false;
+  WebCommand::OnBus on_bus{};
+  /// Of the page's command those that are one text, by name.
+  std::map<std::string, std::string, std::less<>> fields{};
   std::vector<std::string> arguments{};  ///< behind `canopus`
   std::optional<std::string>
       file_text{};          ///< goes into a file of its own, whose name takes the place of `{file}`
-  std::string file_name{};  ///< that the page says it has, or of the one that is made
+  std::string file_name{};  ///< that it has on the page, or of the one that is made
   bool makes_file = false;  ///< the command writes `{file}`, whose text is the answer
+
+  /// The text of a field; empty: it is not there.
+  [[nodiscard]] std::string field(std::string_view name) const {
+    const auto found = fields.find(name);
+    return found == fields.end() ? std::string() : found->second;
+  }
 };
 
-/// A command as the page says it: {"command": "project set", "bus": "line1", "node": "5", "items": ["1017=500"]}. The error is a
+/// A command as the page sends it: {"command": "project set", "bus": "line1", "node": "5", "items": ["1017=500"]}. The error is a
 /// sentence.
 [[nodiscard]] std::expected<WebCommandLine, std::string> web_command_line(const text::Json& wish,
                                                                           const WebBus& bus);

@@ -10,194 +10,20 @@
 #include <vector>
 
 #include <boost/asio/post.hpp>
-#include <boost/asio/steady_timer.hpp>
 
 #include "canopus/client/nmt_request.hpp"
 #include "canopus/client/sdo_request.hpp"
 #include "canopus/client/sdo_transfer.hpp"
-#include "canopus/link/can_error.hpp"
 #include "canopus/sim/bus/bus.hpp"
 #include "canopus/text/output.hpp"
+#include "canopus/web/commands/bus_command.hpp"
 
 namespace canopus::web {
 namespace {
 
-constexpr int done = 0;    // exit codes of the commands
-constexpr int failed = 1;  // the bus or a node refused, or does not answer
-constexpr int usage = 2;
+using OnBus = WebCommand::OnBus;
 
-/// A command line, of names, options and arguments: "nmt", "reset-comm", "--wait", "--timeout=5s", "--", "5".
-class ArgumentList {
- public:
-  explicit ArgumentList(const std::vector<std::string>& line) {
-    const auto end = std::ranges::find(line, "--");
-    for (auto one = line.begin(); one != end; ++one)
-      (one->starts_with("--") ? options_ : names_).push_back(*one);
-    if (end != line.end()) arguments_.assign(end + 1, line.end());
-  }
-  [[nodiscard]] std::string_view name(std::size_t number) const {
-    return number < names_.size() ? std::string_view(names_[number]) : std::string_view();
-  }
-  [[nodiscard]] std::string argument(std::size_t number) const {
-    return number < arguments_.size() ? arguments_[number] : std::string();
-  }
-  [[nodiscard]] bool has(std::string_view flag) const {
-    return std::ranges::find(options_, flag) != options_.end();
-  }
-  /// `option`: with its "=". Empty: it is not there.
-  [[nodiscard]] std::string value(std::string_view option) const {
-    const auto found =
-        std::ranges::find_if(options_, [&](const std::string& one) { return one.starts_with(option); });
-    return found == options_.end() ? std::string() : found->substr(option.size());
-  }
-
- private:
-  std::vector<std::string> names_;
-  std::vector<std::string> options_;
-  std::vector<std::string> arguments_;
-};
-
-/// A client on a bus: as long as its command runs, and until what it sent is on the bus.
-class BusCommand : public RunningCommand,
-                   public link::AttachedClient,
-                   public std::enable_shared_from_this<BusCommand>,
-                   protected can::Sink {
- public:
-  static constexpr can::Duration usual_time_out = std::chrono::milliseconds(500);
-  /// What is not on the bus by then is dropped.
-  static constexpr can::Duration linger = std::chrono::seconds(1);
-
-  BusCommand(boost::asio::io_context& io, link::LoopClock& clock, std::chrono::milliseconds standstill,
-             Use use)
-      : io_(io), clock_(clock), standstill_(standstill), standstill_timer_(io), use_(std::move(use)) {
-    alarm().add_part(leave_at_);
-  }
-
-  void start(serve::ClientPorts& ports) {
-    last_time_ = clock_.now();
-    attachment_ = ports.attach(*this);
-    self_ = shared_from_this();
-    begin(last_time_);
-    clock_.touched();
-    watch_standstill();
-  }
-
-  // RunningCommand
-  void interrupt() final {
-    const can::Time now = clock_.now();
-    if (!is_over_) give_up("interrupted", now);
-    clock_.touched();
-  }
-  void kill() final {
-    leave_soon();
-    answer(failed);
-  }
-  void stop() noexcept final {
-    use_ = {};
-    standstill_timer_.cancel();
-    attachment_.reset();
-    self_.reset();
-  }
-
-  // link::AttachedClient
-  void receive(const can::Frame& frame, can::Time now) final {
-    if (!is_over_) received(frame, now);
-  }
-  void transmitted(const can::Frame&, can::Time) final {
-    if (on_the_way_ > 0) --on_the_way_;
-    if (is_over_ && on_the_way_ == 0) leave_soon();
-  }
-  void tick(can::Time now) final {
-    if (now >= leave_at_) return leave_soon();
-    if (!is_over_) ticked(now);
-  }
-  void unacknowledged(can::Time now) final { controller_error(link::error_class_acknowledgement, now); }
-  void controller_error(std::uint32_t error_class, can::Time) final {
-    const std::string_view sentence = link::describe_error_frame(error_class, {});
-    if (!sentence.empty()) complain(text::Line("the bus: {}", sentence));
-  }
-
- protected:
-  virtual void begin(can::Time now) = 0;
-  virtual void received(const can::Frame& frame, can::Time now) = 0;
-  virtual void ticked(can::Time now) = 0;
-  /// Ends without a result, and says why.
-  virtual void give_up(std::string_view why, can::Time now) = 0;
-
-  bool send(const can::Frame& frame) final {
-    if (!attachment_ || !attachment_->send(frame)) return false;
-    ++on_the_way_;
-    return true;
-  }
-  void print(const text::Json& row) { out_.json(row); }
-  /// Each sentence once.
-  void complain(const text::Line& sentence) {
-    text::TextOutput line;
-    line.line("canopus: {}", sentence);
-    if (!errors_.text().contains(line.text())) errors_.content(line.text());
-  }
-  /// Its result is there.
-  void conclude(int code, can::Time now) {
-    leave_at_ = can::later(now, linger);
-    if (on_the_way_ == 0) leave_soon();
-    answer(code);
-  }
-
- private:
-  /// In the loop: the receiver of the answer may start the next command.
-  void answer(int code) {
-    if (std::exchange(is_over_, true)) return;
-    boost::asio::post(io_, [code, self = shared_from_this()] {
-      self->standstill_timer_.cancel();
-      const Use use = std::exchange(self->use_, {});
-      std::string row = self->out_.text();
-      if (row.ends_with('\n')) row.pop_back();
-      if (use.line && !row.empty()) use.line(std::move(row));
-      if (use.ended) use.ended(code, self->errors_.text());
-    });
-  }
-  /// In the loop: nothing leaves a bus from inside of it.
-  void leave_soon() {
-    leave_at_ = can::never;
-    if (std::exchange(is_leaving_, true)) return;
-    boost::asio::post(io_, [self = shared_from_this()] {
-      if (!self->attachment_) return;
-      (void)self->clock_.now();
-      self->attachment_.reset();
-      self->clock_.touched();
-      self->self_.reset();
-    });
-  }
-  void watch_standstill() {
-    standstill_timer_.expires_after(standstill_);
-    standstill_timer_.async_wait([weak = weak_from_this()](const boost::system::error_code& error) {
-      if (const auto self = weak.lock(); self && !error) self->check_standstill();
-    });
-  }
-  void check_standstill() {
-    const can::Time now = clock_.now();
-    clock_.touched();
-    if (is_over_) return;
-    if (std::exchange(last_time_, now) != now) return watch_standstill();
-    give_up("plant time stands still", now);
-    leave_soon();  // what was not sent is not sent later
-  }
-
-  boost::asio::io_context& io_;
-  link::LoopClock& clock_;
-  std::chrono::milliseconds standstill_;
-  boost::asio::steady_timer standstill_timer_;
-  Use use_;
-  std::unique_ptr<link::BusAttachment> attachment_;
-  std::shared_ptr<BusCommand> self_;  // as long as it is on the bus
-  text::TextOutput out_;
-  text::TextOutput errors_;
-  can::Time last_time_{};
-  can::Alarm leave_at_;
-  std::size_t on_the_way_ = 0;
-  bool is_over_ = false;
-  bool is_leaving_ = false;
-};
+constexpr can::Duration sdo_time_out = std::chrono::milliseconds(500);
 
 /// `canopus sdo read` and `canopus sdo write`
 class SdoBusCommand final : public BusCommand {
@@ -208,7 +34,7 @@ class SdoBusCommand final : public BusCommand {
       : BusCommand(std::forward<Rest>(rest)...),
         target_(std::move(target)),
         value_(std::move(value)),
-        transfer_(*this, target_.node, usual_time_out, false) {
+        transfer_(*this, target_.node, sdo_time_out, false) {
     alarm().add_part(transfer_.alarm());
   }
 
@@ -216,7 +42,7 @@ class SdoBusCommand final : public BusCommand {
   void begin(can::Time now) override {
     const bool started =
         value_ ? transfer_.write(target_.object, *value_, now) : transfer_.read(target_.object, now);
-    if (!started) fail({.reason = "the bus takes no frame"}, now);
+    if (!started) fail({.reason = std::string(client::bus_takes_no_frame)}, now);
   }
   void received(const can::Frame& frame, can::Time now) override {
     transfer_.receive(frame, now);
@@ -270,10 +96,10 @@ class NmtBusCommand final : public BusCommand {
   void begin(can::Time now) override {
     if (request_.master == 0) {
       if (send(request_.frame())) return sent(now);
-      return fail("the bus takes no frame", now);
+      return fail(client::bus_takes_no_frame, now);
     }
     if (!transfer_.write(request_.object(), bytes_, now))
-      fail(request_.refused("the bus takes no frame"), now);
+      fail(request_.refused(client::bus_takes_no_frame), now);
   }
   void received(const can::Frame& frame, can::Time now) override {
     watch_.receive(frame, now);
@@ -324,7 +150,7 @@ class NmtBusCommand final : public BusCommand {
   bool is_sent_ = false;
 };
 
-/// A command line that is wrong.
+/// A command whose fields are wrong.
 class WrongCommand final : public RunningCommand, public std::enable_shared_from_this<WrongCommand> {
  public:
   explicit WrongCommand(Use use) : use_(std::move(use)) {}
@@ -332,7 +158,7 @@ class WrongCommand final : public RunningCommand, public std::enable_shared_from
     text::TextOutput line;
     line.line("canopus: {}", why);
     boost::asio::post(io, [self = shared_from_this(), errors = line.text()] {
-      if (const auto ended = std::exchange(self->use_, {}).ended) ended(usage, errors);
+      if (const auto ended = std::exchange(self->use_, {}).ended) ended(BusCommand::usage, errors);
     });
   }
   void interrupt() override {}
@@ -347,13 +173,12 @@ using MadeCommand = std::expected<std::shared_ptr<BusCommand>, std::string>;
 
 /// The error is a sentence.
 template <typename... Rest>
-MadeCommand make_sdo(const ArgumentList& arguments, Rest&&... rest) {
-  auto target =
-      client::SdoTarget::parse(arguments.argument(0), arguments.argument(1), arguments.value("--type="));
+MadeCommand make_sdo(const WebCommandLine& line, Rest&&... rest) {
+  auto target = client::SdoTarget::parse(line.field("node"), line.field("object"), line.field("type"));
   if (!target) return std::unexpected(target.error());
   std::optional<std::vector<std::uint8_t>> value;
-  if (arguments.name(1) == "write") {
-    auto bytes = client::bytes_of_value(*target, arguments.argument(2), false);
+  if (line.on_bus.kind == OnBus::Kind::sdo_write) {
+    auto bytes = client::bytes_of_value(*target, line.field("value"), false);
     if (!bytes) return std::unexpected(bytes.error());
     value = std::move(*bytes);
   }
@@ -361,17 +186,15 @@ MadeCommand make_sdo(const ArgumentList& arguments, Rest&&... rest) {
 }
 
 template <typename... Rest>
-MadeCommand make_nmt(const ArgumentList& arguments, Rest&&... rest) {
+MadeCommand make_nmt(const WebCommandLine& line, Rest&&... rest) {
   const auto services = client::nmt_services();
-  const auto service = std::ranges::find(services, arguments.name(1),
+  const auto service = std::ranges::find(services, line.on_bus.service,
                                          [](const auto& one) { return std::string_view(one.name); });
   if (service == services.end()) return std::unexpected("there is no such NMT command");
-  const auto request = client::NmtRequest::parse(*service, arguments.argument(0),
-                                                 arguments.value("--master="), arguments.has("--wait"));
+  const auto request =
+      client::NmtRequest::parse(*service, line.field("node"), line.field("master"), line.on_bus.waits);
   if (!request) return std::unexpected(request.error());
-  const auto time_out = text::parse_duration(arguments.value("--timeout="));
-  return std::make_shared<NmtBusCommand>(*request, time_out.value_or(BusCommand::usual_time_out),
-                                         std::forward<Rest>(rest)...);
+  return std::make_shared<NmtBusCommand>(*request, line.on_bus.time_out, std::forward<Rest>(rest)...);
 }
 
 }  // namespace
@@ -392,13 +215,11 @@ serve::ClientPorts* BusCommands::ports_of(const std::string& bus) {
 }
 
 std::shared_ptr<RunningCommand> BusCommands::start(const WebCommandLine& line, RunningCommand::Use use) {
-  const ArgumentList arguments(line.arguments);
-  const bool is_sdo = arguments.name(0) == "sdo";
-  if (!is_sdo && arguments.name(0) != "nmt") return nullptr;
+  if (line.on_bus.kind == OnBus::Kind::none) return nullptr;
   serve::ClientPorts* const ports = ports_of(line.bus);
   if (ports == nullptr) return nullptr;
-  const auto made = is_sdo ? make_sdo(arguments, io_, clock_, standstill_, use)
-                           : make_nmt(arguments, io_, clock_, standstill_, use);
+  const auto made = line.on_bus.kind == OnBus::Kind::nmt ? make_nmt(line, io_, clock_, standstill_, use)
+                                                         : make_sdo(line, io_, clock_, standstill_, use);
   if (!made) {
     const auto wrong = std::make_shared<WrongCommand>(std::move(use));
     wrong->start(io_, made.error());

@@ -56,7 +56,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
   return pointers;
 }
 
-/// A process ID says which process it is within its namespace alone, and several may share a folder for temporary files.
+/// A process ID identifies a process within its namespace alone, and several may share a folder for temporary files.
 std::string folders_of_namespace() {
   struct stat status {};
   const bool is_known = ::stat("/proc/self/ns/pid", &status) == 0;
@@ -223,7 +223,7 @@ void ChildProcess::closed() {
   }
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   if (read_ > use_.most_output)
-    said_ += fmt::format("it says more than {} bytes and was ended\n", use_.most_output);
+    said_ += fmt::format("it printed more than {} bytes and was ended\n", use_.most_output);
   const auto ended = std::exchange(use_, {}).ended;
   if (ended) ended(code, std::move(said_));
 }

@@ -29,7 +29,7 @@ class ChildProcess final : public RunningCommand, public std::enable_shared_from
     std::function<void(std::string line)> line{};  ///< of its standard output, without its end
     /// Its exit code, 128 + N of one that signal N ended, and its standard error. Comes once, unless it is stopped.
     std::function<void(int code, std::string errors)> ended{};
-    std::size_t most_output = SIZE_MAX;  ///< bytes of its standard output; one that has more to say is ended
+    std::size_t most_output = SIZE_MAX;  ///< bytes of its standard output; one that prints more is ended
     /// Of make_folder(), for this process alone. Who starts it removes it when it has ended; if that one ends before, it is removed
     /// all the same.
     std::filesystem::path folder{};

@@ -6,14 +6,16 @@ namespace {
 using enum WebCommandField::Kind;
 
 /// `canopus nmt` to a node, or to all. `more`: a field of its own.
-constexpr WebCommand nmt_command(std::string_view title, std::string_view words = {},
-                                 WebCommandField more = {}) {
+constexpr WebCommand nmt_command(std::string_view title, std::string_view service,
+                                 std::string_view words = {}, WebCommandField more = {}, bool waits = false,
+                                 std::chrono::milliseconds time_out = std::chrono::milliseconds(500)) {
   return {.title = title,
           .words = words,
           .role = WebRole::operate,
           .has_project = false,
           .joins_bus = true,
           .writes_to_bus = true,
+          .on_bus = {WebCommand::OnBus::Kind::nmt, service, waits, time_out},
           .fields = {{{"node", word, true}, more}}};
 }
 
@@ -115,23 +117,26 @@ constexpr std::array bus_commands{
                            {"revision"},
                            {"serial"},
                            {"timeout"}}}},
-    nmt_command("nmt start"),
-    nmt_command("nmt stop"),
-    nmt_command("nmt preop"),
-    nmt_command("nmt reset"),
-    nmt_command("nmt reset-comm"),
-    nmt_command("boot retry", "nmt reset-comm --wait --timeout=5s", {"master", option, true}),
-    nmt_command("boot retry all", "nmt reset-comm", {"master", option, true}),
+    nmt_command("nmt start", "start"),
+    nmt_command("nmt stop", "stop"),
+    nmt_command("nmt preop", "preop"),
+    nmt_command("nmt reset", "reset"),
+    nmt_command("nmt reset-comm", "reset-comm"),
+    nmt_command("boot retry", "reset-comm", "nmt reset-comm --wait --timeout=5s", {"master", option, true},
+                true, std::chrono::seconds(5)),
+    nmt_command("boot retry all", "reset-comm", "nmt reset-comm", {"master", option, true}),
     WebCommand{.title = "sdo read",
                .role = WebRole::operate,
                .has_project = false,
                .joins_bus = true,
+               .on_bus = {.kind = WebCommand::OnBus::Kind::sdo_read},
                .fields = {{{"node", word, true}, {"object", word, true}, {"type"}}}},
     WebCommand{.title = "sdo write",
                .role = WebRole::configure,
                .has_project = false,
                .joins_bus = true,
                .writes_to_bus = true,
+               .on_bus = {.kind = WebCommand::OnBus::Kind::sdo_write},
                .fields = {{{"node", word, true}, {"object", word, true}, {"value", word, true}, {"type"}}}},
 };
 
@@ -215,7 +220,7 @@ constexpr std::array settings_commands{
                .role = WebRole::configure,
                .settings = WebCommand::Settings::file,
                .joins_bus = true,
-               .fields = {{{"node", word, true}, {"from"}}}},
+               .fields = {{{"node", word, true}, {"source"}}}},
     WebCommand{.title = "configure scan",
                .role = WebRole::operate,
                .settings = WebCommand::Settings::option,

@@ -12,6 +12,7 @@
 #include "canopus/text/nearest_word.hpp"
 #include "canopus/text/printable.hpp"
 #include "canopus/text/shortened.hpp"
+#include "canopus/text/version.hpp"
 #include "canopus/web/state/view_fields.hpp"
 
 namespace canopus::web {
@@ -20,10 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 using ArmClock = std::chrono::steady_clock;
 
-/// The last part of a name that the page says, if it can be a file's name here.
-std::string file_name_of(std::string_view said) {
-  const std::size_t slash = said.find_last_of("/\\");
-  const std::string name(slash == std::string_view::npos ? said : said.substr(slash + 1));
+/// The last part of a name that the page sends, if it can be a file's name here.
+std::string file_name_of(std::string_view given) {
+  const std::size_t slash = given.find_last_of("/\\");
+  const std::string name(slash == std::string_view::npos ? given : given.substr(slash + 1));
   return name.empty() || name == "." || name == ".." || name.size() > 200 ? "device.eds" : name;
 }
 
@@ -47,10 +48,10 @@ std::string fairness_key(const WebUser& user) {
 template <typename Place>
 const Place* place_of(const std::vector<Place>& all, std::string Place::*name, const text::Json& wish,
                       const char* key) {
-  const auto said = wish.find(key);
-  if (said == wish.end()) return all.empty() ? nullptr : &all.front();
+  const auto given = wish.find(key);
+  if (given == wish.end()) return all.empty() ? nullptr : &all.front();
   const auto found = std::ranges::find_if(
-      all, [&](const Place& one) { return said->is_string() && one.*name == said->string(); });
+      all, [&](const Place& one) { return given->is_string() && one.*name == given->string(); });
   return found == all.end() ? nullptr : &*found;
 }
 
@@ -155,12 +156,12 @@ bool WebCommands::has_room_for(const WebUser& user) const {
   const auto count = [&](const auto& is_meant) {
     return static_cast<std::size_t>(std::ranges::count_if(jobs_, is_meant));
   };
-  const auto only_looks = [](const Job& job) { return job.user.role == WebRole::look; };
+  const auto is_of_role_look = [](const Job& job) { return job.user.role == WebRole::look; };
   const auto is_of_same = [party = fairness_key(user)](const Job& job) {
     return fairness_key(job.user) == party;
   };
   if (jobs_.size() >= most_waiting || count(is_of_same) >= most_of_user) return false;
-  return user.role != WebRole::look || count(only_looks) < most_of_lookers;
+  return user.role != WebRole::look || count(is_of_role_look) < most_of_role_look;
 }
 
 void WebCommands::hello(const WebUser& user, std::uint32_t id, const WebReply& reply) const {
@@ -168,7 +169,7 @@ void WebCommands::hello(const WebUser& user, std::uint32_t id, const WebReply& r
   event["code"] = 0;
   event["user"] = user.name;
   event["role"] = name_of(user.role);
-  event["version"] = CANOPUS_VERSION;
+  event["version"] = text::program_version();
   event["armed_for"] = armed_seconds();
   event["offers"] = Json::array();  // commands of this run alone
   for (const auto& [name, own] : use_.own) event["offers"].push_back(name);
@@ -287,7 +288,7 @@ std::expected<std::shared_ptr<RunningCommand>, std::string> WebCommands::start(c
   RunningCommand::Use use{.line =
                               [this](std::string line) {
                                 if (text::parse_json(line)) jobs_.front().rows.push_back(std::move(line));
-                                tell_rows(false);
+                                send_rows(false);
                               },
                           .ended = [this](int code, const std::string& errors) { ended(code, errors); }};
   if (use_.on_bus) {
@@ -335,14 +336,14 @@ void WebCommands::start_next() {
 }
 
 /// What has come so far, not more than ten times a second.
-void WebCommands::tell_rows(bool at_once) {
+void WebCommands::send_rows(bool at_once) {
   if (!at_once && std::exchange(is_batched_, true)) return;
   if (!at_once) {
     batch_.expires_after(std::chrono::milliseconds(100));
     batch_.async_wait([this](const boost::system::error_code& error) {
       if (error) return;
       is_batched_ = false;
-      if (!jobs_.empty() && !jobs_.front().rows.empty()) tell_rows(true);
+      if (!jobs_.empty() && !jobs_.front().rows.empty()) send_rows(true);
     });
     return;
   }
@@ -358,7 +359,7 @@ void WebCommands::tell_rows(bool at_once) {
 }
 
 void WebCommands::ended(int code, const std::string& errors) {
-  if (!jobs_.front().rows.empty()) tell_rows(true);
+  if (!jobs_.front().rows.empty()) send_rows(true);
   Job job = std::move(jobs_.front());
   jobs_.pop_front();
   running_.reset();

@@ -28,10 +28,10 @@ namespace canopus::web {
 
 /// `code` of a reply: exit codes of the commands (docs/project.md), and these.
 namespace web_code {
-inline constexpr int usage = 2;        ///< the page said something that is no command
+inline constexpr int usage = 2;        ///< the page sent something that is no command
 inline constexpr int refused = 5;      ///< it cannot be as it was asked for
 inline constexpr int not_allowed = 7;  ///< the role is too low
-inline constexpr int not_armed = 8;    ///< a live bus, and nobody has armed writing
+inline constexpr int not_armed = 8;    ///< a live bus, and writing is not armed
 inline constexpr int busy = 9;         ///< too many commands wait
 inline constexpr int stopped = 10;     ///< taken back by who asked for it
 }  // namespace web_code
@@ -40,16 +40,16 @@ inline constexpr int stopped = 10;     ///< taken back by who asked for it
 class WebCommands {
  public:
   static constexpr std::size_t most_waiting = 32;
-  static constexpr std::size_t most_of_user = 16;     ///< of these
-  static constexpr std::size_t most_of_lookers = 16;  ///< of all who only look together
+  static constexpr std::size_t most_of_user = 16;       ///< of these
+  static constexpr std::size_t most_of_role_look = 16;  ///< of all users with the role look together
   static constexpr std::size_t longest_noted =
       4096;  ///< bytes of a command line, or a reason, that are kept of it
 
-  /// One that is done in this process: says once its row, or a sentence; at once or later.
+  /// One that is done in this process: returns once its row, or a sentence; at once or later.
   struct Own {
     using Done = std::function<void(std::expected<text::Json, std::string>)>;
     WebRole role = WebRole::operate;
-    bool is_noted = true;  ///< false: looks again and again, and is nothing for the audit log
+    bool is_noted = true;  ///< false: it is repeated all the time, and is nothing for the audit log
     std::vector<std::string_view> fields{};  ///< beside "command"; with another one it is refused
     std::function<void(const text::Json& wish, Done done)> run{};
     /// The live bus that it acts on, for which writing has to be armed; empty: none. Without the function it has none.
@@ -70,8 +70,8 @@ class WebCommands {
     std::chrono::milliseconds grace = std::chrono::seconds(10);
     std::chrono::nanoseconds armed_for =
         std::chrono::minutes(10);         ///< then writing on a live bus is not allowed any more
-    std::size_t most_output = 64U << 20;  ///< bytes that a command may say
-    /// What was done: who, the command line, its code, the reason (empty: none was said), the role that it needs. Both texts have
+    std::size_t most_output = 64U << 20;  ///< bytes that a command may print
+    /// What was done: who, the command line, its code, the reason (empty: none was given), the role that it needs. Both texts have
     /// `longest_noted`.
     std::function<void(const WebUser& user, const std::string& line, int code, const std::string& message,
                        WebRole role)>
@@ -113,7 +113,7 @@ class WebCommands {
   void hello(const WebUser& user, std::uint32_t id, const WebReply& reply) const;
   void arm(const WebUser& user, const text::Json& wish, std::uint32_t id, const WebReply& reply);
   void stop(const WebUser& user, const text::Json& wish, std::uint32_t id, const WebReply& reply);
-  /// A command line, and whether what it writes to is somebody else's.
+  /// A command line, and whether it writes to real devices.
   struct Placed {
     WebCommandLine line{};
     bool is_live = false;
@@ -130,7 +130,7 @@ class WebCommands {
   void extend_timeouts(std::chrono::milliseconds time);
   [[nodiscard]] std::string make_file(Job& job) const;
   void ended(int code, const std::string& errors);
-  void tell_rows(bool at_once);
+  void send_rows(bool at_once);
   void done(const WebUser& user, const std::string& line, int code, const std::string& message,
             WebRole role = WebRole::operate) const;
 

@@ -8,16 +8,16 @@
 #include "canopus/plant/file/fault_text.hpp"
 #include "canopus/sim/bus/bus.hpp"
 #include "canopus/text/printable.hpp"
+#include "canopus/web/commands/wish_fields.hpp"
 
 namespace canopus::web {
-
 WebFaults::WebFaults(plant::Plant& plant, link::LoopClock& clock) : plant_(plant), clock_(clock) {
   for (std::size_t i = 0; i < plant.bus_count(); ++i) {
     auto& rules = rules_.emplace_back();
     seeds_.push_back(plant.file().seed);
     if (plant.simulated_bus(i) == nullptr) continue;
     for (const plant::FaultSection& section : plant.bus_section(i).faults) {
-      rules.push_back({.section = section, .is_on = true, .is_of_file = true});
+      rules.push_back({.section = section, .is_on = true, .is_of_file = true, .number = rules.size()});
     }
   }
 }
@@ -32,12 +32,11 @@ WebFaults::Json WebFaults::list() const {
       if (node.label.bus == bus->name()) one["ports"].push_back(node.label.name);
     }
     const auto states = bus->fault_states();
-    std::size_t place = 0;  // among those that are on
     for (const Rule& rule : rules_[i]) {
       Json fault{{"text", rule.section.text}, {"on", rule.is_on}, {"from_file", rule.is_of_file}};
-      if (rule.is_on && place < states.size()) {
-        fault["hits"] = states[place].hits;
-        fault["active"] = states[place++].is_active;
+      if (rule.is_on && rule.number < states.size()) {
+        fault["hits"] = states[rule.number].hits;
+        fault["active"] = states[rule.number].is_active;
       }
       one["faults"].push_back(std::move(fault));
     }
@@ -46,32 +45,32 @@ WebFaults::Json WebFaults::list() const {
   return row;
 }
 
-std::expected<WebFaults::Json, std::string> WebFaults::run(const text::Json& wish) {
-  const auto text_of = [](const text::Json& object, const char* key) {
-    const auto found = object.find(key);
-    return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
-  };
-  const std::string name = text_of(wish, "bus");
-  std::size_t number = 0;
-  while (number < rules_.size() && plant_.bus(number).name() != name) ++number;
-  sim::Bus* const bus = number < rules_.size() ? plant_.simulated_bus(number) : nullptr;
-  if (bus == nullptr) {
-    return std::unexpected(fmt::format("there is no simulated bus \"{}\": faults are for simulated buses",
-                                       text::printable(name)));
+std::expected<std::size_t, std::string> WebFaults::bus_of(const text::Json& wish) const {
+  const std::string name = wish.value("bus", "");
+  for (std::size_t number = 0; number < rules_.size(); ++number) {
+    if (plant_.bus(number).name() == name && plant_.simulated_bus(number) != nullptr) return number;
   }
+  return std::unexpected(
+      fmt::format("there is no simulated bus \"{}\": faults are for simulated buses", text::printable(name)));
+}
+
+std::expected<WebFaults::Json, std::string> WebFaults::run(const text::Json& wish) {
+  const auto found = bus_of(wish);
+  if (!found) return std::unexpected(found.error());
+  const std::size_t number = *found;
   const auto list = wish.find("faults");
   if (list == wish.end() || !list->is_array() || list->size() > most_faults) {
     return std::unexpected(fmt::format("\"faults\" is to be a list of up to {} faults", most_faults));
   }
   std::uint64_t seed = seeds_[number];
-  if (const auto said = wish.find("seed"); said != wish.end()) {
-    if (!said->is_number_unsigned()) return std::unexpected("\"seed\" is to be a number from 0 on");
-    seed = said->get<std::uint64_t>();
+  if (const auto given = wish.find("seed"); given != wish.end()) {
+    if (!given->is_number_unsigned()) return std::unexpected("\"seed\" is to be a number from 0 on");
+    seed = given->get<std::uint64_t>();
   }
   std::vector<Rule> rules;
   std::vector<sim::Fault> faults;
   for (const text::Json& one : *list) {
-    const std::string text = one.is_object() ? text_of(one, "text") : std::string();
+    const std::string text = one.value("text", "");
     const auto wrong = [&](const std::string& what) {
       return std::unexpected(fmt::format("fault {}: {}", rules.size() + 1, what));
     };
@@ -83,15 +82,37 @@ std::expected<WebFaults::Json, std::string> WebFaults::run(const text::Json& wis
     const bool is_of_file =
         std::ranges::any_of(plant_.bus_section(number).faults,
                             [&](const plant::FaultSection& known) { return known.text == section->text; });
+    const std::size_t place = faults.size();
     if (is_on) faults.push_back(section->fault);
-    rules.push_back({.section = std::move(*section), .is_on = is_on, .is_of_file = is_of_file});
+    rules.push_back(
+        {.section = std::move(*section), .is_on = is_on, .is_of_file = is_of_file, .number = place});
   }
   (void)clock_.now();
-  if (const auto set = bus->set_faults(faults, seed); !set) return std::unexpected(set.error());
+  if (const auto set = plant_.simulated_bus(number)->set_faults(faults, seed); !set)
+    return std::unexpected(set.error());
   clock_.touched();
   rules_[number] = std::move(rules);
   seeds_[number] = seed;
   return this->list();
+}
+
+std::expected<WebFaults::Json, std::string> WebFaults::end(const text::Json& wish) {
+  const auto bus = bus_of(wish);
+  if (!bus) return std::unexpected(bus.error());
+  std::vector<Rule>& rules = rules_[*bus];
+  if (rules.empty()) return std::unexpected("there is no fault");
+  const auto number = number_field(wish, "number", 0, rules.size() - 1);
+  if (!number) {
+    return std::unexpected(
+        fmt::format("number: expected that of a fault of the list, 0 to {}", rules.size() - 1));
+  }
+  const auto rule = rules.begin() + static_cast<std::ptrdiff_t>(*number);
+  (void)clock_.now();
+  if (rule->is_on && !plant_.simulated_bus(*bus)->end_fault(rule->number))
+    return std::unexpected("raw levels that no frame begins do not end by themselves: run the others anew");
+  clock_.touched();
+  rules.erase(rule);
+  return list();
 }
 
 }  // namespace canopus::web

@@ -27,13 +27,20 @@ class WebFaults {
   /// {"bus": "line1", "seed": 1, "faults": [{"text": "kind = ...", "on": true}]}: from now on these, and no others, counted from
   /// the beginning. The row is that of list(); on an error nothing changes.
   [[nodiscard]] std::expected<Json, std::string> run(const text::Json& wish);
+  /// {"bus": "line1", "number": 0}: the fault of that place in the list ends now and leaves the list; the others go on. The row
+  /// is that of list(); on an error nothing changes.
+  [[nodiscard]] std::expected<Json, std::string> end(const text::Json& wish);
 
  private:
   struct Rule {
     plant::FaultSection section{};
     bool is_on = true;
     bool is_of_file = false;
+    std::size_t number = 0;  ///< among those that the bus was given, if it is on
   };
+  /// Of the simulated bus that a wish names.
+  [[nodiscard]] std::expected<std::size_t, std::string> bus_of(const text::Json& wish) const;
+
   plant::Plant& plant_;
   link::LoopClock& clock_;
   std::vector<std::vector<Rule>> rules_;  ///< of each bus

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "canopus/can/bus.hpp"
 #include "canopus/module/interface/communication_module.hpp"
@@ -14,6 +15,7 @@
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plc/rack/rack.hpp"
+#include "canopus/web/commands/wish_fields.hpp"
 
 namespace canopus::web {
 namespace {
@@ -44,11 +46,30 @@ void set_output(plc::Rack& rack, std::uint32_t number, bool on, can::Time now) {
   (void)rack.write_bits(plc::Device::y, number, std::span(&bit, 1), now);
 }
 
-/// The module that a wish names, below `count`.
-std::optional<std::size_t> number_of(const text::Json& wish, std::size_t count) {
-  const auto said = wish.find("number");
-  const bool is_one = said != wish.end() && said->is_number_unsigned() && said->get<std::uint64_t>() < count;
-  return is_one ? std::optional(said->get<std::size_t>()) : std::nullopt;
+/// The rows of a word: one for FROM and another one for TO, or one for CANopen modes and another one for Layer 2.
+struct WordRows {
+  std::vector<const module::BufferRow*> all{};
+  std::vector<const module::BufferRow*> writable{};
+};
+
+WordRows rows_of(std::span<const module::BufferRow> rows, module::BufferAddress address, bool is_layer2) {
+  WordRows found;
+  for (const module::BufferRow& row : rows) {
+    if (row.name.empty() || !row.covers(address) || row.access == module::WordAccess::none) continue;
+    // The first one is that of the CANopen modes.
+    if (!is_layer2 && !found.all.empty() && (row.modes & found.all.front()->modes) == 0) continue;
+    found.all.push_back(&row);
+    if (row.access != module::WordAccess::read) found.writable.push_back(&row);
+  }
+  return found;
+}
+
+/// "expected 1 to 127"
+std::string expected_of(const module::ValueRange& range) {
+  if (range.kind != module::ValueRange::Kind::one_of)
+    return fmt::format("expected {} to {}", range.low, range.high);
+  return fmt::format("expected {}{}", range.values.size() == 1 ? "" : "one of ",
+                     fmt::join(range.values, ", "));
 }
 
 }  // namespace
@@ -62,8 +83,8 @@ void WebModules::restart(const text::Json& wish, Done done) { begin(wish, true, 
 
 std::string WebModules::live_bus(const text::Json& wish) const {
   const auto modules = plant_.modules();
-  const auto number = number_of(wish, modules.size());
-  if (!number) return {};
+  const auto number = number_field(wish, "number", 0, modules.size() - 1);
+  if (modules.empty() || !number) return {};
   const std::string_view name = modules[*number].label.bus;
   for (std::size_t i = 0; i < plant_.bus_count(); ++i) {
     const plant::BusSection& section = plant_.bus_section(i);
@@ -73,14 +94,62 @@ std::string WebModules::live_bus(const text::Json& wish) const {
   return {};
 }
 
-std::expected<WebModules::Job, std::string> WebModules::job_of(const text::Json& wish, bool is_restart) {
-  const auto modules = plant_.modules();
-  if (modules.empty()) return std::unexpected("the plant has no modules");
-  const auto number = number_of(wish, modules.size());
-  if (!number) {
-    return std::unexpected(
-        fmt::format("number: expected that of a module of the plant, 0 to {}", modules.size() - 1));
+std::expected<std::size_t, std::string> WebModules::module_of(const text::Json& wish) const {
+  const std::size_t count = plant_.modules().size();
+  if (count == 0) return std::unexpected("the plant has no modules");
+  if (const auto number = number_field(wish, "number", 0, count - 1)) return *number;
+  return std::unexpected(fmt::format("number: expected that of a module of the plant, 0 to {}", count - 1));
+}
+
+plc::Rack* WebModules::rack_of(std::size_t module) const {
+  const std::uint16_t head = plant_.module_section(module).head;
+  for (std::size_t i = 0; i < plant_.plc_count(); ++i) {
+    if (plant_.rack(i).module_at(head) == &plant_.module(module)) return &plant_.rack(i);
   }
+  return nullptr;
+}
+
+std::expected<WebModules::Json, std::string> WebModules::write_word(const text::Json& wish) {
+  const auto number = module_of(wish);
+  if (!number) return std::unexpected(number.error());
+  constexpr std::uint64_t most = 0xFFFF;
+  const auto address_field = number_field(wish, "address", 0, most);
+  const auto value_field = number_field(wish, "value", 0, most);
+  if (!address_field) return std::unexpected("address: expected 0 to 65535");
+  if (!value_field) return std::unexpected("value: expected 0 to 65535");
+  const auto address = static_cast<std::uint16_t>(*address_field);
+  const auto value = static_cast<std::uint16_t>(*value_field);
+  const plant::ModuleStatus status = plant_.modules()[*number];
+  const auto refuse = [&](const auto& why) {
+    return std::unexpected(fmt::format("{} G{}: {}", status.label.name, address, why));
+  };
+  const bool is_layer2 = !status.information.node_id;
+  const WordRows rows =
+      rows_of(plant::find_module(plant_.module(*number).model())->buffer_rows, address, is_layer2);
+  if (rows.all.empty()) return refuse("the module has no such word");
+  if (rows.writable.empty()) return refuse("a program can only read this word");
+  const auto row = std::ranges::find_if(
+      rows.writable, [&](const module::BufferRow* one) { return one->range.contains(value); });
+  if (row == rows.writable.end())
+    return refuse(fmt::format("{} does not fit; {}", value, expected_of(rows.writable.front()->range)));
+  plc::Rack* const rack = rack_of(*number);
+  if (rack == nullptr || !status.is_on) return refuse("the PLC has no supply");
+  (void)clock_.now();
+  const can::Time now = plant_.timeline().now();
+  const std::uint16_t head = plant_.module_section(*number).head;
+  if (const auto done = rack->write_buffer(head, address, std::span(&value, 1), now); !done)
+    return refuse("the rack refuses the write");
+  clock_.touched();
+  return Json{{"module", status.label.name},
+              {"address", address},
+              {"name", (*row)->name},
+              {"value", plant_.module(*number).buffer_memory()->peek(address, now)}};
+}
+
+std::expected<WebModules::Job, std::string> WebModules::job_of(const text::Json& wish, bool is_restart) {
+  const auto number = module_of(wish);
+  if (!number) return std::unexpected(number.error());
+  const auto modules = plant_.modules();
   Job job{.module = *number, .is_restart = is_restart};
   const plant::ModuleSection& section = plant_.module_section(job.module);
   const plant::ModuleStatus& status = modules[job.module];
@@ -91,9 +160,7 @@ std::expected<WebModules::Job, std::string> WebModules::job_of(const text::Json&
     return refuse("another request of the page is not yet over; it goes on with plant time");
   job.procedure = plant::find_module(plant_.module(job.module).model())->reset_procedure;
   if (job.request().kind == Kind::none) return refuse(job.request().text);
-  for (std::size_t i = 0; i < plant_.plc_count() && job.rack == nullptr; ++i) {
-    if (plant_.rack(i).module_at(section.head) == &plant_.module(job.module)) job.rack = &plant_.rack(i);
-  }
+  job.rack = rack_of(job.module);
   if (job.rack == nullptr || !status.is_on) return refuse("the PLC has no supply");
   if (job.request().kind == Kind::word) {
     // Other words than these are refused then, and that would be one error more [FX3U-CAN 6.8].
@@ -107,7 +174,7 @@ std::expected<WebModules::Job, std::string> WebModules::job_of(const text::Json&
   if (job.rack->is_paused())
     return refuse(fmt::format("the CPU is in PAUSE, where its Y stay as they are: {} wants RUN", y));
   if (is_on(*job.rack, plc::Device::y, point_of(section, job.request()), plant_.timeline().now()))
-    return refuse(fmt::format("{} is ON already: somebody else asks for the same", y));
+    return refuse(fmt::format("{} is ON already: the PLC program, or another client, asks for the same", y));
   return job;
 }
 
@@ -138,14 +205,14 @@ void WebModules::begin(const text::Json& wish, bool is_restart, Done done) {
 void WebModules::tick(can::Time now) {
   alarm() = can::later(now, look_interval);
   for (Job& job : jobs_) step(job, now);
-  // Who hears of it may ask for the next one at once.
-  std::vector<std::pair<Done, std::expected<Json, std::string>>> told;
+  // The receiver of a result may ask for the next one at once.
+  std::vector<std::pair<Done, std::expected<Json, std::string>>> finished;
   for (Job& job : jobs_)
     if (std::exchange(job.has_result, false))
-      told.emplace_back(std::exchange(job.done, {}), std::move(job.result));
+      finished.emplace_back(std::exchange(job.done, {}), std::move(job.result));
   std::erase_if(jobs_, [](const Job& job) { return job.is_over; });
   if (jobs_.empty()) alarm().cancel();
-  for (auto& [done, result] : told) done(std::move(result));
+  for (auto& [done, result] : finished) done(std::move(result));
 }
 
 void WebModules::step(Job& job, can::Time now) {

@@ -37,6 +37,9 @@ class WebModules final : private can::Ticker {
   void clear_errors(const text::Json& wish, Done done);
   /// The same: the module is restarted.
   void restart(const text::Json& wish, Done done);
+  /// {"number": 0, "address": 10000, "value": 5}: that word of the module's buffer memory is written, as a PLC program writes it.
+  /// The row {"module", "address", "name", "value"}, `value`: what it has then; or why not.
+  [[nodiscard]] std::expected<Json, std::string> write_word(const text::Json& wish);
   /// The bus of the module that the wish names, if it is a real one; else empty.
   [[nodiscard]] std::string live_bus(const text::Json& wish) const;
 
@@ -70,6 +73,8 @@ class WebModules final : private can::Ticker {
   void tick(can::Time now) override;
 
   void begin(const text::Json& wish, bool is_restart, Done done);
+  [[nodiscard]] std::expected<std::size_t, std::string> module_of(const text::Json& wish) const;
+  [[nodiscard]] plc::Rack* rack_of(std::size_t module) const;
   [[nodiscard]] std::expected<Job, std::string> job_of(const text::Json& wish, bool is_restart);
   void step(Job& job, can::Time now);
   void step_signal(Job& job, can::Time now);

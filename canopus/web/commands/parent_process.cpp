@@ -70,7 +70,7 @@ void split(pid_t parent, const std::filesystem::path& folder) {
     ::sigprocmask(SIG_SETMASK, &before, nullptr);
     return;
   }
-  // The parent waits for the end of what the second one says.
+  // The parent waits for the end of the output of the second one.
   ::close_range(0, ~0U, 0);
   const int status = pass_signals_on(second, signals);
   std::error_code ignored;
@@ -81,9 +81,9 @@ void split(pid_t parent, const std::filesystem::path& folder) {
 }  // namespace
 
 void end_with_parent() {
-  const std::string said = taken_variable(parent_variable);
+  const std::string variable = taken_variable(parent_variable);
   const std::filesystem::path folder = taken_variable(parent_folder_variable);
-  const pid_t parent = ascii::parse_number<pid_t>(said).value_or(0);
+  const pid_t parent = ascii::parse_number<pid_t>(variable).value_or(0);
   if (parent <= 0) return;
   const bool is_ours = folder.is_absolute() && folder.filename().string().starts_with(child_folder_prefix);
   if (is_ours) return split(parent, folder);

@@ -2,7 +2,7 @@
 
 namespace canopus::web {
 
-/// Environment variables by which ChildProcess says that it is the parent: its process ID, and the folder that it made for this
+/// Environment variables by which ChildProcess passes on that it is the parent: its process ID, and the folder that it made for this
 /// process alone (empty: none).
 inline constexpr const char* parent_variable = "CANOPUS_PARENT";
 inline constexpr const char* parent_folder_variable = "CANOPUS_PARENT_FOLDER";

@@ -1,15 +1,17 @@
 #include "canopus/web/commands/start_page.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "canopus/module_settings/recent_projects.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/text/file_text.hpp"
 #include "canopus/text/printable.hpp"
+#include "canopus/web/access/inside_folder.hpp"
 #include "canopus/web/commands/example_files.hpp"
 
 namespace canopus::web {
@@ -18,15 +20,43 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_verdicts = 20000;
+constexpr std::uintmax_t largest_shown = 256U << 10;  // bytes of a plant that is read to show what it has
 
-/// A file, and in the folder wherever links lead. Folders that are links are not entered.
-bool is_inside(const fs::path& file, const fs::path& folder) {
+/// Its folders are made, too.
+bool write_file(const fs::path& path, const std::string& content) {
   std::error_code error;
-  if (!fs::is_regular_file(file, error)) return false;
-  if (!fs::is_symlink(file, error)) return true;
-  const fs::path real = fs::canonical(file, error);
-  const fs::path top = fs::canonical(folder, error);
-  return !error && std::ranges::mismatch(top, real).in1 == top.end();
+  fs::create_directories(path.parent_path(), error);
+  std::ofstream out(path, std::ios::binary);
+  out << content;
+  return static_cast<bool>(out.flush());
+}
+
+/// What there is in a plant: {"name", "buses"}, or {"problem"}.
+text::Json plant_row(const std::string& text, const std::string& file) {
+  const plant::PlantReading reading = plant::read_plant(text, file);
+  if (!reading.errors.empty()) {
+    const text::FileError& first = reading.errors.front();
+    return text::Json{{"problem", fmt::format("{}: {}", text::describe(first.place, file), first.message)}};
+  }
+  text::Json buses = text::Json::array();
+  for (const plant::BusSection& bus : reading.plant.buses) {
+    text::Json modules = text::Json::array();
+    for (const plant::PlcSection& plc : reading.plant.plcs) {
+      for (const plant::ModuleSection& module : plc.modules)
+        if (module.bus == bus.name) modules.push_back(module.model);
+    }
+    text::Json devices = text::Json::array();
+    for (const plant::DeviceSection& device : reading.plant.devices) {
+      if (device.bus == bus.name)
+        devices.push_back(device.name.empty() ? fmt::format("node {}", device.node) : device.name);
+    }
+    buses.push_back({{"bus", bus.name},
+                     {"bit_rate", bus.bit_rate},
+                     {"live", bus.is_linked() && bus.replay.empty()},
+                     {"modules", std::move(modules)},
+                     {"devices", std::move(devices)}});
+  }
+  return {{"name", reading.plant.name}, {"buses", std::move(buses)}};
 }
 
 std::string too_many() {
@@ -39,11 +69,7 @@ fs::path write_example() {
   fs::path name = ChildProcess::make_folder();
   if (name.empty()) return {};
   for (const ExampleFile& file : example_files()) {
-    const fs::path path = name / file.path;
-    fs::create_directories(path.parent_path(), error);
-    std::ofstream out(path, std::ios::binary);
-    out << file.content;
-    if (out.flush()) continue;
+    if (write_file(name / file.path, std::string(file.content))) continue;
     fs::remove_all(name, error);
     return {};
   }
@@ -62,27 +88,30 @@ WebStart::~WebStart() {
 
 /// Plants have a bus, the settings of a module their element; other TOML and XML files are none of ours. A file is read once as long
 /// as it stays as it is.
-bool WebStart::is_ours(const fs::path& file, std::uintmax_t& to_read) {
+const WebStart::Verdict& WebStart::verdict_of(const fs::path& file, std::uintmax_t& to_read) {
+  static const Verdict none;
   std::error_code error;
   constexpr std::uintmax_t largest = 4U << 20;
   const std::uintmax_t size = fs::file_size(file, error);
   const bool may_be_plant = file.extension() == ".toml";
-  if ((!may_be_plant && file.extension() != ".xml") || error || size > largest) return false;
+  if ((!may_be_plant && file.extension() != ".xml") || error || size > largest) return none;
   const auto written = fs::last_write_time(file, error);
   if (verdicts_.size() >= most_verdicts) verdicts_.clear();
   Verdict& verdict = verdicts_[file.string()];
-  if (verdict.written == written && verdict.size == size && size != 0) return verdict.is_ours;
-  if (size > to_read) return false;
+  if (verdict.written == written && verdict.size == size && size != 0) return verdict;
+  if (size > to_read) return none;
   to_read -= size;
   const auto text = text::read_file(file.string());
   verdict = {.written = written,
              .size = size,
              .is_ours = text && text->contains(may_be_plant ? "[[bus]]" : "<canopus-module")};
-  return verdict.is_ours;
+  if (verdict.is_ours && may_be_plant && size <= largest_shown)
+    verdict.plant = plant_row(*text, file.filename().string());
+  return verdict;
 }
 
 WebStart::Json WebStart::list() {
-  std::vector<std::string> plants;
+  std::map<std::string, Json> plants;
   std::vector<std::string> projects;
   std::vector<std::string> settings;
   std::error_code error;
@@ -102,10 +131,17 @@ WebStart::Json WebStart::list() {
     const std::string shown = path.lexically_relative(folder_).string();
     if (!is_inside(path, folder_)) continue;
     if (path.extension() == ".cpj" && projects.size() < most_listed) projects.push_back(shown);
-    std::vector<std::string>& found = path.extension() == ".xml" ? settings : plants;
-    if (found.size() < most_listed && is_ours(path, to_read)) found.push_back(shown);
+    const Verdict& verdict = verdict_of(path, to_read);
+    if (!verdict.is_ours) continue;
+    if (path.extension() == ".xml" && settings.size() < most_listed) settings.push_back(shown);
+    if (path.extension() == ".toml" && plants.size() < most_listed) plants.emplace(shown, verdict.plant);
   }
-  std::ranges::sort(plants);
+  Json plant_rows = Json::array();
+  for (const auto& [path, plant] : plants) {
+    Json row{{"path", path}};
+    if (plant.is_object()) row.update(plant);  // else it was too large to be read
+    plant_rows.push_back(std::move(row));
+  }
   std::ranges::sort(projects);
   std::ranges::sort(settings);
   Json running = Json::array();
@@ -114,8 +150,9 @@ WebStart::Json WebStart::list() {
     running.push_back(
         {{"number", number}, {"path", fs::path(child.path).lexically_relative(folder_).string()}});
   }
-  return {{"folder", folder_.string()},
-          {"plants", plants},
+  return {{"folder", shown_folder(folder_)},
+          {"plants", std::move(plant_rows)},
+          {"models", module_models()},
           {"projects", projects},
           {"settings", settings},
           {"running", running}};
@@ -151,7 +188,9 @@ void WebStart::open(const std::string& path, Done done) {
   }
   const Json known = list();
   const auto has = [&](const char* kind) {
-    return std::ranges::find(known[kind], Json(path)) != known[kind].end();
+    return std::ranges::any_of(known[kind], [&](const Json& one) {
+      return (one.is_object() ? one["path"].string() : one.string()) == path;
+    });
   };
   const Json recent_ones = recent()["recent"];
   const bool is_recent = std::ranges::find(recent_ones, Json(path)) != recent_ones.end();
@@ -176,49 +215,116 @@ void WebStart::end(std::uint64_t number, const Done& done) {
   done(Json{{"ended", fs::path(child->second.path).lexically_relative(folder_).string()}});
 }
 
-void WebStart::make_project(const std::string& name, Done done) {
-  make(name, "", {"project", "new", "--json"}, "", std::move(done));
-}
-
-void WebStart::make_settings(const std::string& name, const std::string& model, Done done) {
-  make(name, name.ends_with(".xml") ? "" : ".xml", {"configure", "new", "--model=" + model}, "",
-       std::move(done));
-}
-
-void WebStart::save_settings_as(const std::string& path, const std::string& name, Done done) {
-  const Json known = list()["settings"];
-  if (std::ranges::find(known, Json(path)) == known.end())
-    return done(std::unexpected(fmt::format("there are no settings {}", text::printable(path))));
-  make(name, name.ends_with(".xml") ? "" : ".xml", {"configure", "export"}, (folder_ / path).string(),
-       std::move(done));
-}
-
-/// `words`: of the command that makes it.
-void WebStart::make(const std::string& name, const std::string& extension, std::vector<std::string> words,
-                    const std::string& from, Done done) {
+std::expected<std::string, std::string> WebStart::new_path(const std::string& name,
+                                                           const std::string& extension) const {
   const bool is_name = !name.empty() && name.size() <= 100 &&
                        name.find_first_of("/\\") == std::string::npos && !name.starts_with('.') &&
                        name == text::printable(name);
-  if (!is_name) return done(std::unexpected("expected a name without / and \\"));
-  const std::string path = (folder_ / (name + extension)).string();
+  if (!is_name) return std::unexpected("expected a name without / and \\");
+  std::string path = (folder_ / (name + extension)).string();
   std::error_code error;
-  if (fs::symlink_status(path, error).type() != fs::file_type::not_found) {
-    return done(
-        std::unexpected(fmt::format("there is something with the name {}{} already", name, extension)));
+  if (fs::symlink_status(path, error).type() != fs::file_type::not_found)
+    return std::unexpected(fmt::format("there is something with the name {}{} already", name, extension));
+  return path;
+}
+
+void WebStart::make_plant(const Json& wish, Done done) {
+  const std::string name = wish.value("name", "");
+  const auto path = new_path(name, "");
+  if (!path) return done(std::unexpected(path.error()));
+  const auto plant = NewPlant::parse(wish, true);
+  if (!plant) return done(std::unexpected(plant.error()));
+  const auto text = plant->plant_text(name);
+  if (!text) return done(std::unexpected(text.error()));
+  const fs::path folder(*path);
+  const std::string file = (folder / "plant.toml").string();
+  std::error_code error;
+  bool is_written = fs::create_directory(folder, error) && write_file(file, *text);
+  for (const NewDevice& device : plant->devices)
+    is_written = is_written && write_file(folder / device.file, device.text);
+  if (!is_written) return done(std::unexpected(fmt::format("{} cannot be written", folder.string())));
+  make({.path = *path,
+        .is_made = true,
+        .steps = {{"check", "--", file}},
+        .open = [this, file](Done opened) { run_plant(file, {}, std::move(opened)); },
+        .done = std::move(done)});
+}
+
+void WebStart::make_project(const Json& wish, Done done) {
+  const auto path = new_path(wish.value("name", ""), "");
+  if (!path) return done(std::unexpected(path.error()));
+  const auto project = NewPlant::parse(wish, false);
+  if (!project) return done(std::unexpected(project.error()));
+  Making making{.path = *path,
+                .steps = {{"project", "new", "--json", "--", *path}},
+                .open = [this, folder = *path](Done opened) { run_project(folder, std::move(opened)); },
+                .done = std::move(done)};
+  if (!project->devices.empty()) making.files = ChildProcess::make_folder();
+  for (const NewDevice& device : project->devices) {
+    const std::string file = (making.files / device.file).string();
+    if (making.files.empty() || !write_file(file, device.text))
+      return making.done(std::unexpected("the device files cannot be written"));
+    std::vector<std::string> words{"project", "add", "--json", fmt::format("--node-id={}", device.node),
+                                   fmt::format("--bit-rate={}k", project->bit_rate / 1000)};
+    if (!device.name.empty()) words.push_back("--name=" + device.name);
+    words.insert(words.end(), {"--", *path, file});
+    making.steps.push_back(std::move(words));
   }
-  if (children_.size() >= most_running) return done(std::unexpected(too_many()));
-  auto said = std::make_shared<Done>(std::move(done));
+  make(std::move(making));
+}
+
+void WebStart::make_settings(const std::string& name, const std::string& model, Done done) {
+  const auto path = new_path(name, name.ends_with(".xml") ? "" : ".xml");
+  if (!path) return done(std::unexpected(path.error()));
+  make({.path = *path,
+        .steps = {{"configure", "new", "--module=" + model, "--", *path}},
+        .open = [this, file = *path](Done opened) { run_project(file, std::move(opened)); },
+        .done = std::move(done)});
+}
+
+void WebStart::save_settings_as(const std::string& from, const std::string& name, Done done) {
+  const Json known = list()["settings"];
+  if (std::ranges::find(known, Json(from)) == known.end())
+    return done(std::unexpected(fmt::format("there are no settings {}", text::printable(from))));
+  const auto path = new_path(name, name.ends_with(".xml") ? "" : ".xml");
+  if (!path) return done(std::unexpected(path.error()));
+  make({.path = *path,
+        .steps = {{"configure", "export", "--", (folder_ / from).string(), *path}},
+        .open = [this, file = *path](Done opened) { run_project(file, std::move(opened)); },
+        .done = std::move(done)});
+}
+
+void WebStart::make(Making making) {
+  std::ranges::reverse(making.steps);
+  make_next(std::make_shared<Making>(std::move(making)));
+}
+
+/// The next step, the last of those that are left. What was made goes again when one fails; what another program has put there
+/// meanwhile stays.
+void WebStart::make_next(const std::shared_ptr<Making>& making) {
+  const auto fail = [making](const std::string& why) {
+    std::error_code ignored;
+    if (making->is_made) fs::remove_all(making->path, ignored);
+    if (!making->files.empty()) fs::remove_all(making->files, ignored);
+    making->done(std::unexpected(why));
+  };
+  if (making->steps.empty()) {
+    std::error_code ignored;
+    if (!making->files.empty()) fs::remove_all(making->files, ignored);
+    return making->open(std::move(making->done));
+  }
+  if (children_.size() >= most_running) return fail(too_many());
+  const std::vector<std::string> words = std::move(making->steps.back());
+  making->steps.pop_back();
   const unsigned number = next_++;
-  words.emplace_back("--");
-  if (!from.empty()) words.push_back(from);
-  words.push_back(path);
-  auto child = ChildProcess::start(io_, program_, words,
-                                   {.ended = [this, number, path, said](int code, const std::string& errors) {
-                                     children_.erase(number);
-                                     if (code != 0) return (*said)(std::unexpected(errors));
-                                     run_project(path, std::move(*said));
-                                   }});
-  if (!child) return (*said)(std::unexpected(child.error()));
+  auto child = ChildProcess::start(
+      io_, program_, words, {.ended = [this, number, making, fail](int code, const std::string& errors) {
+        children_.erase(number);
+        if (code != 0) return fail(errors);
+        making->is_made = true;
+        make_next(making);
+      }});
+  if (!child) return fail(child.error());
   children_[number].process = std::move(*child);
 }
 

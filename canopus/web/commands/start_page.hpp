@@ -19,6 +19,7 @@
 #include "canopus/text/json.hpp"
 #include "canopus/web/access/access_files.hpp"
 #include "canopus/web/commands/child_process.hpp"
+#include "canopus/web/commands/new_plant.hpp"
 
 namespace canopus::web {
 
@@ -46,7 +47,9 @@ class WebStart {
 
   static constexpr std::chrono::milliseconds before_exit{200};  ///< time for the answer to leave
   /// {"plants": [...], "projects": [...], "settings": [...]}: paths below the folder, up to two folders down; settings are those of
-  /// modules. Links that lead out of it are left out. And "running": [{"number": 3, "path": "..."}], without a path the built-in plant.
+  /// modules. Links that lead out of it are left out. A plant is {"path", "name", "buses": [{"bus", "bit_rate", "live", "modules": [models],
+  /// "devices": [names]}]}, or {"path", "problem"}; of a large file there is the path alone. And "running": [{"number": 3, "path": "..."}], without a path the built-in plant;
+  /// "models": of make_plant().
   [[nodiscard]] Json list();
   /// {"recent": [...]}: the module projects used last that are still there (recent_projects()). Where there are users, who may be on other
   /// machines, those of the folder alone.
@@ -58,8 +61,11 @@ class WebStart {
   void open(const std::string& path, Done done);
   /// Ends one of those that run: {"ended": "its path"}.
   void end(std::uint64_t number, const Done& done);
-  /// Makes a project of this name in the folder, and opens it.
-  void make_project(const std::string& name, Done done);
+  /// {"name", and the fields of NewPlant::parse()}: makes a plant of this name, a folder with its file and its device files, and runs it.
+  /// One that `canopus check` finds wrong is not kept.
+  void make_plant(const Json& wish, Done done);
+  /// Likewise a project, without a module, and opens it.
+  void make_project(const Json& wish, Done done);
   /// Likewise the settings of a module: NAME.xml.
   void make_settings(const std::string& name, const std::string& model, Done done);
   /// A copy of listed settings under a new name: NAME.xml in the folder, and opens it.
@@ -78,11 +84,23 @@ class WebStart {
     std::filesystem::file_time_type written{};
     std::uintmax_t size = 0;
     bool is_ours = false;
+    Json plant{};  ///< what there is in it, without its path
   };
-  [[nodiscard]] bool is_ours(const std::filesystem::path& file, std::uintmax_t& to_read);
-  /// `from`: path of what it is made from; empty: of nothing.
-  void make(const std::string& name, const std::string& extension, std::vector<std::string> words,
-            const std::string& from, Done done);
+  [[nodiscard]] const Verdict& verdict_of(const std::filesystem::path& file, std::uintmax_t& to_read);
+  /// Something new of the folder: made by commands, one after the other, then opened.
+  struct Making {
+    std::string path{};    ///< of the new thing, which was not there before
+    bool is_made = false;  ///< by this
+    std::vector<std::vector<std::string>> steps{};
+    std::filesystem::path files{};  ///< folder of temporary files; empty: none
+    std::function<void(Done)> open{};
+    Done done{};
+  };
+  /// Where something of this name is made; the error is a sentence.
+  [[nodiscard]] std::expected<std::string, std::string> new_path(const std::string& name,
+                                                                 const std::string& extension) const;
+  void make(Making making);
+  void make_next(const std::shared_ptr<Making>& making);
   void run_plant(const std::string& plant, std::filesystem::path folder, Done done);
   void run_project(const std::string& project, Done done);
   /// `begun`: what is known of it already.

@@ -75,6 +75,8 @@ class WebClientSocket : public boost::asio::ip::tcp::socket {
 
   void set_most_frames(unsigned a_second) { most_frames_ = a_second; }
   [[nodiscard]] bool has_sent_too_much() const noexcept { return has_sent_too_much_; }
+  /// One frame counts no more in its second: the server has replied to it.
+  void discount_frame() noexcept { frames_ -= frames_ > 0 ? 1 : 0; }
 
   template <typename Buffers, typename Handler>
   void async_read_some(const Buffers& buffers, Handler&& handler) {

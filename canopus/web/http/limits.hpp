@@ -62,7 +62,7 @@ struct WebAttemptOptions {
 class WebAttempts {
  public:
   explicit WebAttempts(WebAttemptOptions options = {}) : options_(options) {}
-  /// Zero: the attempt is taken, and counts as one that failed until succeeded() says otherwise. Else the time to wait, of
+  /// Zero: the attempt is taken, and counts as one that failed until succeeded() is called. Else the time to wait, of
   /// seconds that have begun.
   [[nodiscard]] std::chrono::seconds wait(const link::InternetAddress& address, const std::string& user,
                                           WebMoment now);

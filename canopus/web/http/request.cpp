@@ -14,7 +14,6 @@
 #include <fmt/format.h>
 
 #include "canopus/link/allow_list.hpp"
-#include "canopus/web/http/files.hpp"
 
 namespace canopus::web {
 namespace {
@@ -101,6 +100,32 @@ WebAnswer answer_to_form(const WebRequest& request, std::string_view host, const
   return {.next = next};
 }
 
+/// A page of its own, with a text put behind `place` of it. Without the files of the page a sentence.
+WebAnswer changed_page(const PageFile* file, std::string_view place, std::string_view text) {
+  if (file == nullptr) return refusal(503, PageFiles::missing);
+  WebAnswer answer{.content_type = file->content_type, .body = *file->content};
+  if (const std::size_t begin = answer.body.find(place); begin != std::string::npos)
+    answer.body.insert(begin + place.size(), text);
+  return answer;
+}
+
+const PageFile* file_of(const WebPlace& place, std::string_view path) {
+  return place.files == nullptr ? nullptr : place.files->find(path);
+}
+
+/// A file as it is, unless the browser has just this one.
+WebAnswer unchanged_file(const WebRequest& request, const PageFile& file) {
+  WebAnswer answer{.content_type = file.content_type, .may_be_kept = true};
+  answer.fields = fmt::format("ETag: {}\r\n", file.tag);
+  const auto kept = only_value(request, http::field::if_none_match);
+  if (kept && kept->contains(file.tag)) {
+    answer.status = 304;
+  } else {
+    answer.file = file.content;
+  }
+  return answer;
+}
+
 std::string_view reason_of(unsigned status) {
   return view_of(http::obsolete_reason(static_cast<http::status>(status)));
 }
@@ -128,9 +153,9 @@ std::expected<WebRequest, WebAnswer> read_head(std::string_view head) {
 }
 
 std::size_t body_length(const WebRequest& request) noexcept {
-  const auto said = only_value(request, http::field::content_length);
+  const auto given = only_value(request, http::field::content_length);
   std::size_t length = 0;
-  if (said) std::from_chars(said->data(), said->data() + said->size(), length);
+  if (given) std::from_chars(given->data(), given->data() + given->size(), length);
   return length;
 }
 
@@ -150,12 +175,12 @@ std::expected<std::string, std::string> parse_web_origin(std::string_view text) 
   return std::string(text);
 }
 
-WebAnswer log_in_page(unsigned status, std::string_view sentence) {
-  constexpr std::string_view place = "<p id=\"said\" role=\"alert\">";
-  const WebFile* const file = find_web_file("/login.html");
-  std::string text(file->content);
-  text.insert(text.find(place) + place.size(), sentence);
-  return {.status = status, .content_type = file->content_type, .body = std::move(text), .has_form = true};
+WebAnswer log_in_page(const WebPlace& place, unsigned status, std::string_view sentence) {
+  const PageFile* const file = file_of(place, "/login.html");
+  WebAnswer answer = changed_page(file, "<p id=\"said\" role=\"alert\">", sentence);
+  if (file != nullptr || status != 200) answer.status = status;
+  answer.has_form = file != nullptr;
+  return answer;
 }
 
 WebAnswer answer_to(const WebRequest& request, const WebPlace& place) {
@@ -177,8 +202,9 @@ WebAnswer answer_to(const WebRequest& request, const WebPlace& place) {
   if (path == "/events" && method == http::verb::get) return answer_to_socket(request, *host, place);
   const bool is_log_in = place.has_users && path == "/login";
   const bool is_session = place.has_users && path == "/session";
-  const WebFile* const file = find_web_file(path == "/" ? "/index.html" : path);
-  if (file == nullptr && !is_log_in && !is_session) return refusal(404, "there is no such page");
+  const bool is_page = path == "/" || path == "/index.html";
+  const PageFile* const file = file_of(place, path);
+  if (file == nullptr && !is_page && !is_log_in && !is_session) return refusal(404, "there is no such page");
   if (method != http::verb::get && method != http::verb::head) {
     WebAnswer answer = refusal(405, "expected GET or HEAD");
     answer.fields = "Allow: GET, HEAD\r\n";
@@ -186,17 +212,15 @@ WebAnswer answer_to(const WebRequest& request, const WebPlace& place) {
   }
   WebAnswer answer;
   if (is_log_in) {
-    answer = log_in_page(200, {});
+    answer = log_in_page(place, 200, {});
   } else if (is_session) {
     answer.next = WebNext::session;
+  } else if (is_page) {
+    constexpr std::string_view users = "\n<meta name=\"canopus-users\" content=\"yes\">";
+    answer = changed_page(file, "<head>", place.has_users ? users : std::string_view());
+    if (place.has_users) answer.next = WebNext::page;
   } else {
-    answer.content_type = file->content_type;
-    answer.body = file->content;
-    if (place.has_users && file->path == "/index.html") {
-      answer.next = WebNext::page;
-      constexpr std::string_view before = "<title>";
-      answer.body.insert(answer.body.find(before), "<meta name=\"canopus-users\" content=\"yes\">\n");
-    }
+    answer = unchanged_file(request, *file);
   }
   answer.has_body = method == http::verb::get;
   return answer;
@@ -210,16 +234,19 @@ std::string written(const WebAnswer& answer) {
       "Content-Length: {}\r\n"
       "Connection: close\r\n"
       "{}"
-      "Cache-Control: no-store\r\n"
+      "Cache-Control: {}\r\n"
       "X-Content-Type-Options: nosniff\r\n"
       "X-Frame-Options: DENY\r\n"
       "Referrer-Policy: {}\r\n"
       "Cross-Origin-Opener-Policy: same-origin\r\n"
       "Cross-Origin-Resource-Policy: same-origin\r\n"
-      "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
+      "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' "
+      "data:; "
       "connect-src 'self'; base-uri 'none'; form-action {}; frame-ancestors 'none'\r\n"
       "\r\n{}",
-      answer.status, reason_of(answer.status), answer.content_type, answer.body.size(), answer.fields,
+      answer.status, reason_of(answer.status), answer.content_type,
+      answer.file ? answer.file->size() : answer.body.size(), answer.fields,
+      answer.may_be_kept ? "no-cache" : "no-store",
       // Without a referrer browsers say "Origin: null" with a form.
       answer.has_form ? "same-origin" : "no-referrer", answer.has_form ? "'self'" : "'none'",
       answer.has_body ? answer.body : std::string());

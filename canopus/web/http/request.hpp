@@ -9,11 +9,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <memory>
 #include <string>
 #include <string_view>
 
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/message.hpp>
+
+#include "canopus/web/http/page_files.hpp"
 
 namespace canopus::web {
 
@@ -39,9 +42,12 @@ struct WebAnswer {
   unsigned status = 200;  ///< of HTTP
   std::string_view content_type = "text/plain; charset=utf-8";
   std::string body{};
-  bool has_body = true;   ///< false for HEAD: the fields are those of the body, which is left out
-  std::string fields{};   ///< further ones of the head, each with its end of line
-  bool has_form = false;  ///< the page may send a form
+  std::shared_ptr<const std::string>
+      file{};                ///< the body, if it is not empty: a file of the page, which is not copied
+  bool has_body = true;      ///< false for HEAD: the fields are those of the body, which is left out
+  bool may_be_kept = false;  ///< by the browser, which asks each time whether it is still the same
+  std::string fields{};      ///< further ones of the head, each with its end of line
+  bool has_form = false;     ///< the page may send a form
   WebNext next = WebNext::send;
 };
 
@@ -51,6 +57,7 @@ struct WebPlace {
   std::uint16_t port = 0;
   std::string origin{};  ///< "https://plant.example": what browsers see in front of it; empty: nothing is
   bool has_users = false;
+  std::shared_ptr<const PageFiles> files{};  ///< of the page; nullptr: they are missing
 };
 
 /// Where the end of the head is: the number of its bytes with the empty line; 0 = not there yet.
@@ -62,16 +69,16 @@ struct WebPlace {
 /// How many bytes of a body come behind the head.
 [[nodiscard]] std::size_t body_length(const WebRequest& request) noexcept;
 
-/// "https://plant.example", "http://10.0.0.1:8080": what a browser says as Origin; the error is a sentence.
+/// "https://plant.example", "http://10.0.0.1:8080": what a browser sends as Origin; the error is a sentence.
 [[nodiscard]] std::expected<std::string, std::string> parse_web_origin(std::string_view text);
 
 /// What the request gets from a server at this place. Unless `next` is log_in or log_out, it has no body.
 [[nodiscard]] WebAnswer answer_to(const WebRequest& request, const WebPlace& place);
 
 /// The page to log in, with a sentence on it.
-[[nodiscard]] WebAnswer log_in_page(unsigned status, std::string_view sentence);
+[[nodiscard]] WebAnswer log_in_page(const WebPlace& place, unsigned status, std::string_view sentence);
 
-/// The bytes of an answer, head and body. The connection ends behind it.
+/// The bytes of an answer, head and body, but for `file`, which follows them. The connection ends behind it.
 [[nodiscard]] std::string written(const WebAnswer& answer);
 
 }  // namespace canopus::web

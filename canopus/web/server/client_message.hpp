@@ -9,7 +9,7 @@
 
 namespace canopus::web {
 
-/// What a watcher of the page says: {"messages": true} or {"messages": false}, whether it wants the decoded frames;
+/// A message of a client that watches: {"messages": true} or {"messages": false}, whether it wants the decoded frames;
 /// {"views": [{...}, ...]}, what else it looks at (docs/web.md): up to `most_views` objects, each in place of what it looked at
 /// before; {"do": {...}, "id": N}, a command, whose replies have that number.
 struct ClientMessage {

@@ -1,5 +1,8 @@
 #include "canopus/web/server/connection.hpp"
 
+#include <algorithm>
+#include <array>
+#include <chrono>
 #include <utility>
 
 #include <boost/asio/buffer.hpp>
@@ -18,7 +21,7 @@ using WebTime = std::chrono::steady_clock;
 
 namespace {
 
-/// "/events?key=0123..."; an empty key everybody knows.
+/// "/events?key=0123..."; an empty key is no secret.
 bool holds_key(std::string_view target, std::string_view key) {
   if (key.empty()) return true;
   constexpr std::string_view field = "?key=";
@@ -39,7 +42,8 @@ WebServer::Connection::Connection(Parts& parts, tcp::socket socket, std::string 
 void WebServer::Connection::start() {
   error_code ignored;
   socket().set_option(tcp::no_delay(true), ignored);
-  set_timer(parts_.options.head_timeout, "left a request incomplete");
+  // Browsers open connections in reserve: one that nothing comes on is closed, and that is no error.
+  set_timer(parts_.options.head_timeout, nullptr);
   receive();
 }
 
@@ -50,7 +54,7 @@ link::Hold WebServer::Connection::hold() const noexcept {
 }
 
 void WebServer::Connection::send() {
-  if (state_ != State::watches || is_sending_ || outbox_.empty()) return;
+  if (is_closed() || state_ != State::watches || is_sending_ || outbox_.empty()) return;
   is_sending_ = true;
   output_ = outbox_.take();
   set_timer(parts_.options.send_timeout, "does not take what it is sent");
@@ -63,9 +67,9 @@ void WebServer::Connection::send() {
   });
 }
 
-void WebServer::Connection::look_for_end(WebTime::time_point now) {
+void WebServer::Connection::end_if_over(WebTime::time_point now) {
   if (state_ != State::watches) return;
-  if (now - heard_at_ > parts_.options.silent_timeout || (session_ && session_->is_over)) end();
+  if (now - received_at_ > parts_.options.silent_timeout || (session_ && session_->is_over)) end();
 }
 
 void WebServer::Connection::close() noexcept { close_socket(socket()); }
@@ -79,6 +83,11 @@ void WebServer::Connection::receive() {
 
 void WebServer::Connection::received(const error_code& error, std::size_t count) {
   if (error) return end();
+  if (input_.empty()) {
+    const auto rest =
+        std::chrono::ceil<std::chrono::milliseconds>(began_ + parts_.options.head_timeout - WebTime::now());
+    set_timer(std::max(rest, std::chrono::milliseconds(0)), "left a request incomplete");
+  }
   input_.append(buffer_.data(), count);
   if (head_size_ == 0 && !take_head()) return;
   const std::size_t length = head_size_ + body_length(*request_);
@@ -86,7 +95,7 @@ void WebServer::Connection::received(const error_code& error, std::size_t count)
   WebAnswer result = answer_to(*request_, parts_.place);
   const bool wants_body = result.next == WebNext::log_in || result.next == WebNext::log_out;
   if (wants_body && input_.size() < length) return receive();
-  look_at_request(std::move(result));
+  handle_request(std::move(result));
 }
 
 /// False: it is not there yet, or refused.
@@ -111,7 +120,7 @@ bool WebServer::Connection::take_head() {
 }
 
 /// A whole request.
-void WebServer::Connection::look_at_request(WebAnswer result) {
+void WebServer::Connection::handle_request(WebAnswer result) {
   const std::string_view form = std::string_view(input_).substr(head_size_);
   session_ = parts_.gate->session_of(*request_, parts_.place, WebTime::now());
   switch (result.next) {
@@ -156,13 +165,17 @@ void WebServer::Connection::answer(const WebAnswer& answer) {
   state_ = State::answers;
   logs_in_ = false;
   output_ = written(answer);
+  const bool has_file = answer.file && answer.has_body;
+  const std::array<asio::const_buffer, 2> bytes{asio::buffer(output_),
+                                                has_file ? asio::buffer(*answer.file) : asio::const_buffer()};
   set_timer(parts_.options.send_timeout, nullptr);
-  asio::async_write(socket(), asio::buffer(output_), [self = shared_from_this()](error_code, std::size_t) {
-    if (self->is_closed()) return;
-    error_code ignored;
-    self->socket().shutdown(tcp::socket::shutdown_send, ignored);
-    self->drain();
-  });
+  asio::async_write(socket(), bytes,
+                    [self = shared_from_this(), file = answer.file](error_code, std::size_t) {
+                      if (self->is_closed()) return;
+                      error_code ignored;
+                      self->socket().shutdown(tcp::socket::shutdown_send, ignored);
+                      self->drain();
+                    });
 }
 
 /// Waits for the client's end: a socket that is closed with bytes unread would take the answer back.
@@ -197,18 +210,21 @@ void WebServer::Connection::upgrade() {
     response.set(boost::beast::http::field::server, "canopus");
   }));
   stream_.control_callback(
-      [this](websocket::frame_type, boost::beast::string_view) { heard_at_ = WebTime::now(); });
-  heard_at_ = WebTime::now();
+      [this](websocket::frame_type, boost::beast::string_view) { received_at_ = WebTime::now(); });
+  received_at_ = WebTime::now();
   stream_.async_accept(*request_, [self = shared_from_this()](error_code error) {
     if (self->is_closed()) return;
     if (error) return self->end();
     self->stop_timer();
+    (void)self->parts_.clock.now();  // what has happened up to now comes with the latest events
+    if (self->is_closed()) return;   // the run ended on the way there
     self->state_ = State::watches;
     self->parts_.watch();
-    if (self->is_closed()) return;  // the run ended on the way there
     for (const SendQueue::Text& event : self->parts_.latest) self->outbox_.add_event(event);
     self->listen();
-    self->parts_.show_state();
+    // The others have theirs, and get the next one in a moment: fifty that come at once are fifty messages, not a thousand.
+    self->outbox_.set_state(self->parts_.newest_state());
+    self->send();
   });
 }
 
@@ -218,17 +234,17 @@ void WebServer::Connection::listen() {
     if (error == websocket::error::message_too_big) return self->end("sent a message that is too long");
     if (self->stream_.next_layer().has_sent_too_much()) return self->end("sends too much");
     if (error) return self->end();
-    self->heard_at_ = WebTime::now();
+    self->received_at_ = WebTime::now();
     const auto bytes = self->message_.cdata();
     if (auto wish = parse_client_message({static_cast<const char*>(bytes.data()), bytes.size()}))
-      self->heard(std::move(*wish));
+      self->handle(std::move(*wish));
     self->message_.clear();
     self->message_.shrink_to_fit();  // a device file may be 2 MiB
     if (!self->is_closed()) self->listen();
   });
 }
 
-void WebServer::Connection::heard(ClientMessage wish) {
+void WebServer::Connection::handle(ClientMessage wish) {
   if (session_) session_->used = WebTime::now();
   if (wish.messages) wants_messages_ = *wish.messages;
   if (wish.views) views_ = std::move(*wish.views);
@@ -241,6 +257,8 @@ void WebServer::Connection::heard(ClientMessage wish) {
 
 void WebServer::Connection::reply(std::string event) {
   if (is_closed()) return;
+  parts_.state = nullptr;
+  if (user_.role != WebRole::look) stream_.next_layer().discount_frame();
   if (!outbox_.add_reply(std::move(event))) return end("does not take the replies to its commands");
   send();
   if (!is_closed()) parts_.limit_waiting();

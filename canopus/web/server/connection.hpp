@@ -32,7 +32,7 @@ class WebServer::Connection : public link::TcpClient<Connection> {
   [[nodiscard]] bool watches() const noexcept { return state_ == State::watches; }
   [[nodiscard]] link::InternetAddress network() const noexcept { return network_of(address_); }
   [[nodiscard]] bool has_place_of_watcher() const noexcept { return watches() || state_ == State::upgrades; }
-  /// Who has logged in; nullptr: nobody.
+  /// The name of the user who has logged in; nullptr: none has.
   [[nodiscard]] const std::string* user() const noexcept { return session_ ? &session_->user.name : nullptr; }
   [[nodiscard]] bool knows_key() const noexcept { return knows_key_; }
   /// The oldest give way first.
@@ -52,7 +52,7 @@ class WebServer::Connection : public link::TcpClient<Connection> {
   /// Sends what waits, when nothing is under way.
   void send();
   /// Beast waits without end for a client that it has closed to close its side, too.
-  void look_for_end(std::chrono::steady_clock::time_point now);
+  void end_if_over(std::chrono::steady_clock::time_point now);
   void close() noexcept;
   using TcpClient::end;
 
@@ -68,13 +68,13 @@ class WebServer::Connection : public link::TcpClient<Connection> {
   void receive();
   void received(const boost::system::error_code& error, std::size_t count);
   [[nodiscard]] bool take_head();
-  void look_at_request(WebAnswer result);
+  void handle_request(WebAnswer result);
   void log_in(std::string_view form);
   void answer(const WebAnswer& answer);
   void drain();
   void upgrade();
   void listen();
-  void heard(ClientMessage wish);
+  void handle(ClientMessage wish);
   void reply(std::string event);
   [[nodiscard]] link::Hold hold() const noexcept;
 
@@ -87,7 +87,7 @@ class WebServer::Connection : public link::TcpClient<Connection> {
   link::InternetAddress address_;
   std::optional<WebRequest> request_;
   std::size_t head_size_ = 0;            // 0: it is not there yet
-  std::shared_ptr<WebSession> session_;  // of who has logged in
+  std::shared_ptr<WebSession> session_;  // of the user who has logged in
   State state_ = State::asks;
   std::array<char, 2048> buffer_{};
   std::string input_;
@@ -100,7 +100,7 @@ class WebServer::Connection : public link::TcpClient<Connection> {
   bool logs_in_ = false;
   bool knows_key_ = false;
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
-  std::chrono::steady_clock::time_point heard_at_{};
+  std::chrono::steady_clock::time_point received_at_{};
 };
 
 }  // namespace canopus::web

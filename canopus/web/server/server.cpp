@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include <boost/asio/post.hpp>
 #include <fmt/format.h>
 
 #include "canopus/web/server/connection.hpp"
@@ -52,16 +53,16 @@ void WebServer::Parts::limit_waiting() {
   most->end("does not take the replies to its commands");
 }
 
-/// States are made as long as somebody watches.
+/// States are made as long as a client watches.
 void WebServer::Parts::watch() {
   if (std::exchange(is_watched, true)) return;
   timer.expires_after(options.state_interval);
   timer.async_wait([self = shared_from_this()](const error_code& error) {
     if (error || !self->is_open) return;
     self->is_watched = false;
-    self->gate->look(MonotonicClock::now());
+    self->gate->refresh(MonotonicClock::now());
     const auto watchers = self->clients.all();
-    for (const auto& one : watchers) one->look_for_end(MonotonicClock::now());
+    for (const auto& one : watchers) one->end_if_over(MonotonicClock::now());
     if (std::ranges::none_of(self->clients.all(), [](const auto& one) { return one->watches(); })) {
       if (self->use.messages) (void)self->use.messages(false);
       self->show_views();
@@ -72,11 +73,20 @@ void WebServer::Parts::watch() {
   });
 }
 
+const SendQueue::Text& WebServer::Parts::newest_state() {
+  if (state == nullptr || MonotonicClock::now() - state_made > options.state_is_new_for) {
+    state = std::make_shared<const std::string>(use.state());
+    state_made = MonotonicClock::now();
+  }
+  return state;
+}
+
 /// One text for all.
 void WebServer::Parts::show_state() {
   (void)clock.now();
   if (!is_open) return;  // the run ended on the way there
-  const auto text = std::make_shared<const std::string>(use.state());
+  state = nullptr;
+  const SendQueue::Text text = newest_state();
   for (const auto& connection : clients.all()) {
     if (connection->watches()) connection->set_state(text);
   }
@@ -116,8 +126,18 @@ void WebServer::Parts::show_views() {
 }
 
 void WebServer::Parts::flush() {
-  const auto watchers = clients.all();  // a write may end its connection
-  for (const auto& connection : watchers) connection->send();
+  const bool is_due = !to_send.empty();
+  to_send.assign(clients.all().begin(), clients.all().end());
+  if (!is_due) send_next();
+}
+
+void WebServer::Parts::send_next() {
+  if (to_send.empty()) return;
+  const std::shared_ptr<Connection> next = std::move(to_send.front());
+  to_send.pop_front();
+  next->send();
+  if (to_send.empty()) return;
+  asio::post(timer.get_executor(), [self = shared_from_this()] { self->send_next(); });
 }
 
 WebServer::WebServer(asio::io_context& context, link::LoopClock& clock, Use use, WebServerOptions options,
@@ -142,7 +162,8 @@ std::expected<void, std::string> WebServer::listen(const std::string& host, std:
   parts_->place = {.address = address,
                    .port = parts_->clients.port(),
                    .origin = parts_->options.origin,
-                   .has_users = parts_->gate->has_users()};
+                   .has_users = parts_->gate->has_users(),
+                   .files = parts_->options.files};
   return result;
 }
 
@@ -163,6 +184,7 @@ std::size_t WebServer::clients() const noexcept { return parts_->clients.size();
 void WebServer::event(std::string_view json) {
   const auto text = std::make_shared<const std::string>(json);
   parts_->latest.add(text);
+  parts_->state = nullptr;
   for (const auto& connection : parts_->clients.all()) {
     if (connection->watches()) connection->add_event(text);
   }
@@ -172,6 +194,7 @@ void WebServer::stop() noexcept {
   parts_->is_open = false;
   error_code ignored;
   parts_->timer.cancel(ignored);
+  parts_->to_send.clear();
   parts_->clients.close();
 }
 

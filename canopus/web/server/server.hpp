@@ -1,6 +1,6 @@
 #pragma once
 // The server behind the page of a run: HTTP/1.1 for the page's files, a WebSocket for what happens. It runs on the
-// event loop that owns the plant, in its thread. A client chooses what it sees; what it wants to be done is handed on with who it is.
+// event loop that owns the plant, in its thread. A client chooses what it sees; its commands are handed on with its user.
 //
 // Each message of the WebSocket is a JSON array of events (docs/events.md): first the state and the latest events, then
 // what comes. Clients cannot disturb each other or the plant: each has at most one message under way and bounded memory; one that is
@@ -22,6 +22,7 @@
 #include "canopus/link/peer.hpp"
 #include "canopus/web/access/authenticator.hpp"
 #include "canopus/web/access/user.hpp"
+#include "canopus/web/http/page_files.hpp"
 
 namespace canopus::web {
 
@@ -41,24 +42,30 @@ struct WebServerOptions {
   std::chrono::milliseconds send_timeout{15000};
   /// A watcher from which nothing comes for so long, not even an answer to a ping, is closed.
   std::chrono::milliseconds silent_timeout{45000};
-  /// What a client may do who knows the key; without one everybody. Others look.
+  /// What a client may do who knows the key; without one any client. Others have the role look.
   WebRole role = WebRole::look;
   std::string key{};
   /// Users with passwords, in place of the key, and limits. Without users the server takes clients of this machine alone.
   WebGateOptions gate{};
   /// WebPlace::origin
   std::string origin{};
+  /// WebPlace::files
+  std::shared_ptr<const PageFiles> files{};
   /// From one state to the next.
   std::chrono::milliseconds state_interval{250};
+  /// A newcomer gets the state that was made so lately, unless an event or a reply came after it.
+  std::chrono::milliseconds state_is_new_for{100};
   /// Events that wait for a slow client; of those a newcomer gets.
   std::size_t most_events = 500;
   /// Bytes that wait for all clients together; then the one for which most wait is closed.
   std::size_t most_waiting_bytes = 64U << 20;
   /// A message of a client, and of one that may change something (a command brings a device file along); messages, pings, pongs and
-  /// small parts of messages that it may send in a second (web_frames.hpp).
+  /// small parts of messages that it may send in a second (frame_count.hpp). What was replied to counts no more if its
+  /// client may change something: a program that waits for each reply may be as fast as the replies. The page of who only looks
+  /// asks for lines of a trace with each picture of a screen that is scrolled, 60 a second, and says what is looked at.
   std::size_t longest_message = 1024;
   std::size_t longest_command = 2U << 20;
-  unsigned most_messages = 40;
+  unsigned most_messages = 100;
   /// Different views that are made with one state, and up to three more; other clients get theirs with the next ones, in turn.
   std::size_t most_views = 8;
 };
@@ -72,10 +79,10 @@ class WebServer {
   struct Use {
     std::function<std::string()> state{};
     std::function<std::string(std::uint64_t)> lost{};
-    /// The `messages` event of what came since the last call, or an empty text; false: nobody wants them.
+    /// The `messages` event of what came since the last call, or an empty text; false: no client wants them.
     std::function<std::string(bool)> messages{};
-    /// The event of what somebody looks at, an object of {"views": [...]} as JSON; an empty text: it is none. Asked with an empty
-    /// text when nobody looks any more.
+    /// The event of a view that a client has asked for, an object of {"views": [...]} as JSON; an empty text: it is none. Asked with an empty
+    /// text when no client has views any more.
     std::function<std::string(std::string_view)> view{};
     /// What a client wants to be done, an object as JSON, with the number that its replies have. Without it commands are ignored.
     std::function<void(const WebUser& user, std::string_view command, std::uint32_t id, WebReply reply)>
@@ -101,7 +108,7 @@ class WebServer {
   [[nodiscard]] std::uint16_t port() const noexcept;
   /// Connections now.
   [[nodiscard]] std::size_t clients() const noexcept;
-  /// An event, a JSON object, for everybody who watches. May be called from inside of the timeline.
+  /// An event, a JSON object, for all clients that watch. May be called from inside of the timeline.
   void event(std::string_view json);
   /// Closes the port and all connections.
   void stop() noexcept;

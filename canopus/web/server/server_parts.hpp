@@ -1,7 +1,9 @@
 #pragma once
 // The parts of the page's server that its clients and the server itself share; for web_server.cpp and web_connection.cpp alone.
 
+#include <chrono>
 #include <cstddef>
+#include <deque>
 #include <memory>
 #include <utility>
 
@@ -22,14 +24,15 @@ struct WebServer::Parts : std::enable_shared_from_this<Parts> {
       : clock(the_clock),
         use(std::move(the_use)),
         options(the_options),
-        gate(std::make_shared<Authenticator>(io, options.gate,
-                                             Authenticator::Use{.note = use.note,
-                                                                .report =
-                                                                    [the_report](const std::string& said) {
-                                                                      if (the_report) the_report(said);
-                                                                    }})),
+        gate(
+            std::make_shared<Authenticator>(io, options.gate,
+                                            Authenticator::Use{.note = use.note,
+                                                               .report =
+                                                                   [the_report](const std::string& sentence) {
+                                                                     if (the_report) the_report(sentence);
+                                                                   }})),
         clients(io,
-                {.allowed = gate->has_users() ? everybody() : link::AllowList(),
+                {.allowed = gate->has_users() ? any_address() : link::AllowList(),
                  .most = the_options.maximum_clients},
                 std::move(the_report)),
         latest(options.most_events),
@@ -42,10 +45,14 @@ struct WebServer::Parts : std::enable_shared_from_this<Parts> {
   void limit_waiting();
   void watch();
   void show_state();
+  /// Made anew, unless it was a moment ago and nothing has happened since: fifty pages that are opened at once get one.
+  [[nodiscard]] const SendQueue::Text& newest_state();
   void show_messages();
   void show_views();
+  /// One client a turn of the loop: a plant with many nodes and watchers has megabytes to send, and may not wait for all of them.
   void flush();
-  [[nodiscard]] static link::AllowList everybody() { return link::AllowList({link::Network{.prefix = 0}}); }
+  void send_next();
+  [[nodiscard]] static link::AllowList any_address() { return link::AllowList({link::Network{.prefix = 0}}); }
 
   link::LoopClock& clock;
   Use use;
@@ -53,11 +60,14 @@ struct WebServer::Parts : std::enable_shared_from_this<Parts> {
   std::shared_ptr<Authenticator> gate;
   link::TcpClients<Connection> clients;
   WebPlace place;
-  WebEventList latest;  // for newcomers
+  WebEventList latest;    // for newcomers
+  SendQueue::Text state;  // nullptr: something has happened since
+  std::chrono::steady_clock::time_point state_made{};
   boost::asio::steady_timer timer;
-  bool is_watched = false;       // the timer runs
-  bool is_viewed = false;        // somebody looks at more than the state
-  std::size_t first_viewer = 0;  // whose turn it is, of the connections
+  std::deque<std::shared_ptr<Connection>> to_send;  // empty: no turn of send_next() is due
+  bool is_watched = false;                          // the timer runs
+  bool is_viewed = false;                           // a client has views
+  std::size_t first_viewer = 0;                     // of the connections, the one whose views are made next
   bool is_open = false;
 };
 

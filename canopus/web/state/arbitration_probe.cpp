@@ -4,7 +4,8 @@
 
 namespace canopus::web {
 
-const ArbitrationProbe::Arbitration& ArbitrationProbe::look(std::uint32_t identifier, bool extended) {
+const ArbitrationProbe::Arbitration& ArbitrationProbe::arbitration_of(std::uint32_t identifier,
+                                                                      bool extended) {
   const auto known = std::ranges::find_if(frames_, [&](const Arbitration& one) {
     return one.identifier == identifier && one.extended == extended;
   });
@@ -16,7 +17,7 @@ const ArbitrationProbe::Arbitration& ArbitrationProbe::look(std::uint32_t identi
 }
 
 std::optional<bool> ArbitrationProbe::is_dominant(can::Time at) const noexcept {
-  // The newest change before that moment; of the ring the oldest one says nothing of what was before it.
+  // The newest change before that moment; before the oldest one of the ring the level is not known.
   for (std::size_t i = 1; i <= most_changes && i <= next_change_; ++i) {
     const Change& change = changes_[(next_change_ - i) % most_changes];
     if (change.at <= at) return change.dominant;

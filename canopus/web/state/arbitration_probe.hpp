@@ -1,5 +1,5 @@
 #pragma once
-// What the page shows of the wire of a simulated bus as long as somebody looks at it: who lost the arbitration to a frame and at
+// What the page shows of the wire of a simulated bus as long as a client has the view: which node lost the arbitration to a frame and at
 // which bit, and the levels around an error.
 
 #include <array>
@@ -27,7 +27,7 @@ class ArbitrationProbe final : private sim::WireObserver {
   ArbitrationProbe(const ArbitrationProbe&) = delete;
   ArbitrationProbe& operator=(const ArbitrationProbe&) = delete;
 
-  /// Who began to send with the latest frame of an identifier.
+  /// The nodes that began to send with the latest frame of an identifier.
   struct Arbitration {
     std::uint32_t identifier = 0;
     bool extended = false;
@@ -35,8 +35,8 @@ class ArbitrationProbe final : private sim::WireObserver {
     std::vector<sim::WireFrame::Sender> senders{};
   };
   /// From now on of this identifier, too. What is known of it.
-  [[nodiscard]] const Arbitration& look(std::uint32_t identifier, bool extended);
-  /// The level of the wire; nothing: that is not known any more, or was not told bit by bit.
+  [[nodiscard]] const Arbitration& arbitration_of(std::uint32_t identifier, bool extended);
+  /// The level of the wire; nothing: that is not known any more, or was not reported bit by bit.
   [[nodiscard]] std::optional<bool> is_dominant(can::Time at) const noexcept;
 
  private:

@@ -10,7 +10,7 @@ void WebBoots::on(const plant::Event& event) {
   one.name = boot->slave.name;
   one.node_id = boot->slave.node_id;
   one.master = boot->master.node_id;
-  // The same step with another object goes on; a new one begins where it is told.
+  // The same step with another object goes on; a new one begins where it is reported.
   if (!one.steps.empty() && one.steps.back().record.step == boot->record.step) {
     one.steps.back().record = boot->record;
     return;

@@ -10,7 +10,7 @@ namespace cob_id = canopen::cob_id;
 constexpr std::uint32_t node_bits = 0x7F;
 constexpr std::uint8_t state_bits = 0x7F;  // the other one is the toggle bit of node guarding
 
-/// What an error control message says; none: nothing that CiA 301 knows.
+/// The state in an error control message; none: one that CiA 301 does not know.
 std::optional<canopen::NmtState> said_state(std::uint8_t byte) noexcept {
   switch (const auto state = static_cast<canopen::NmtState>(byte & state_bits)) {
     case canopen::NmtState::initialising: return canopen::NmtState::pre_operational;  // the boot-up message
@@ -53,7 +53,7 @@ text::Json time_fields(const TimeFigures& times) {
           {"most", seconds(times.most())}};
 }
 
-/// Node-ID 0: all. Of a node that was never heard it is not known whether it obeys.
+/// Node-ID 0: all. Of a node that has sent nothing it is not known whether it obeys.
 void BusStatisticsView::commanded(std::uint8_t command, std::uint8_t node_id) noexcept {
   const auto state = state_after(command);
   if (!state || node_id >= nodes_.size()) return;

@@ -1,5 +1,5 @@
 #pragma once
-// What the frames of a bus say of its nodes, by the CAN-IDs of the predefined connection set [CiA 301 7.3.5]: how old the last
+// What the frames of a bus show of its nodes, by the CAN-IDs of the predefined connection set [CiA 301 7.3.5]: how old the last
 // heartbeat is, how long an SDO server takes to answer, how regularly SYNC comes. Counted from the plant's start on, whoever looks.
 
 #include <array>
@@ -38,7 +38,7 @@ class BusStatisticsView {
   struct Node {
     std::optional<can::Time> heartbeat{};  ///< end of the last one; boot-up messages are none
     can::Duration period{};                ///< between the last two; 0: there was one at most
-    /// As its last boot-up message, heartbeat or guarding answer said, or an NMT command since; none: it has sent none.
+    /// As its last boot-up message, heartbeat or guarding answer showed, or an NMT command since; none: it has sent none.
     std::optional<canopen::NmtState> state{};
     std::optional<can::Time> asked{};  ///< end of the SDO request that has no answer yet
     TimeFigures answers{};             ///< from the end of an SDO request to the end of its answer

@@ -1,14 +1,21 @@
 #include "canopus/web/state/events.hpp"
 
+#include <algorithm>
+#include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "canopus/module/interface/communication_module.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/events/boot_report.hpp"
 #include "canopus/plant/file/plant_file.hpp"
+#include "canopus/sim/bus/bus.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/printable.hpp"
+#include "canopus/web/state/program_views.hpp"
 
 namespace canopus::web {
 namespace {
@@ -28,7 +35,20 @@ std::string_view controller_text(can::ErrorState state) {
   return "unknown";
 }
 
-Fields bus_fields(const plant::BusSection& section, const can::Bus& bus, can::Time now) {
+/// Of a cut wire.
+Fields side_fields(const std::vector<sim::BusSide>& sides) {
+  Fields fields = Fields::array();
+  for (const sim::BusSide& side : sides) {
+    fields.push_back({{"nodes", side.ports},
+                      {"now", side.now},
+                      {"frames", side.frames},
+                      {"error_frames", side.error_frames}});
+  }
+  return fields;
+}
+
+Fields bus_fields(const plant::BusSection& section, const can::Bus& bus, const sim::Bus* simulated,
+                  can::Time now) {
   const can::BusLoad load = bus.load(now);
   Fields fields{{"bus", bus.name()},
                 {"link", section.is_linked() ? section.link : std::string("sim")},
@@ -38,6 +58,9 @@ Fields bus_fields(const plant::BusSection& section, const can::Bus& bus, can::Ti
                 {"frames", load.frames},
                 {"error_frames", load.error_frames}};
   if (!bus.is_there()) fields["gone"] = true;
+  if (simulated != nullptr) {
+    if (const auto sides = simulated->sides(now); !sides.empty()) fields["cut"] = side_fields(sides);
+  }
   return fields;
 }
 
@@ -66,8 +89,18 @@ Fields signals_that_are_on(char kind, std::uint16_t head, std::uint32_t on) {
   return names;
 }
 
-Fields module_fields(const plant::ModuleStatus& module) {
+/// The name of a word in the module's manual; empty: it has none.
+std::string_view word_name(std::span<const module::BufferRow> rows, std::uint32_t address) {
+  const auto row = std::ranges::find_if(rows, [&](const module::BufferRow& one) {
+    return address <= 0xFFFF && one.covers(static_cast<module::BufferAddress>(address)) && !one.name.empty();
+  });
+  return row == rows.end() ? std::string_view() : row->name;
+}
+
+Fields module_fields(const plant::ModuleStatus& module, module::CommunicationModule& itself) {
   Fields fields = label_fields(module.label);
+  fields["model"] = itself.model();
+  fields["signals"] = itself.signals() != nullptr;
   fields["plc"] = module.plc;
   fields["head"] = module.head;
   fields["on"] = module.is_on;
@@ -84,8 +117,11 @@ Fields module_fields(const plant::ModuleStatus& module) {
     fields["signals_on"].push_back(std::move(name));
   }
   fields["words"] = Fields::array();
+  const auto rows = plant::find_module(itself.model())->buffer_rows;
   for (const auto& word : module.words) {
-    fields["words"].push_back({{"address", word.address}, {"value", word.value}});
+    Fields one{{"address", word.address}, {"value", word.value}};
+    if (const std::string_view name = word_name(rows, word.address); !name.empty()) one["name"] = name;
+    fields["words"].push_back(std::move(one));
   }
   return fields;
 }
@@ -101,7 +137,7 @@ void add_figures(Fields& fields, const BusStatisticsView* figures, std::uint8_t 
   if (node.answers.count() != 0) fields["sdo"] = time_fields(node.answers);
 }
 
-/// The NMT state of a node outside of the plant, as far as its bus says it: that it was booted is another thing.
+/// The NMT state of a node outside of the plant, as far as its bus shows it: that it was booted is another thing.
 void add_nmt_state(Fields& fields, const BusStatisticsView* figures, std::uint8_t node_id, can::Time now) {
   fields["state"] = "not known";
   fields["in_operation"] = false;
@@ -125,6 +161,27 @@ bool has_compared_identity(const WebBoots& boots, const plant::SlaveBoot& boot) 
     if (step->record.step == manager::BootStep::wait_after_reset) return false;
   }
   return false;
+}
+
+/// Nodes that a bus has shown, and that are neither the plant's nor booted by one of its modules.
+void add_outside(Fields& state, plant::Plant& plant, const WebTraffic& traffic, can::Time now) {
+  std::set<std::pair<std::string_view, unsigned>> known;
+  for (const plant::NodeStatus& node : plant.nodes()) known.emplace(node.label.bus, node.label.node_id);
+  for (const plant::SlaveBoot& boot : plant.boots()) known.emplace(boot.slave.bus, boot.slave.node_id);
+  constexpr std::uint8_t last_node = 127;
+  for (std::size_t i = 0; i < plant.bus_count(); ++i) {
+    const std::string& bus = plant.bus(i).name();
+    const BusStatisticsView* const figures = traffic.figures(bus);
+    if (figures == nullptr) continue;
+    for (std::uint8_t id = 1; id <= last_node; ++id) {
+      const BusStatisticsView::Node& node = figures->node(id);
+      if ((!node.state && node.answers.count() == 0) || known.contains({bus, id})) continue;
+      Fields fields = label_fields({.bus = bus, .name = {}, .node_id = id});
+      add_figures(fields, figures, id, now);
+      add_nmt_state(fields, figures, id, now);
+      state["outside"].push_back(std::move(fields));
+    }
+  }
 }
 
 }  // namespace
@@ -157,7 +214,7 @@ std::string state_event(plant::Plant& plant, const WebTraffic* traffic, const We
   for (std::size_t i = 0; i < plant.bus_count(); ++i) {
     const plant::BusSection& section = plant.bus_section(i);
     if (section.is_linked() && section.replay.empty()) state["live"] = true;
-    state["buses"].push_back(bus_fields(section, plant.bus(i), now));
+    state["buses"].push_back(bus_fields(section, plant.bus(i), plant.simulated_bus(i), now));
   }
   state["nodes"] = Fields::array();
   for (const plant::NodeStatus& node : plant.nodes()) {
@@ -176,8 +233,13 @@ std::string state_event(plant::Plant& plant, const WebTraffic* traffic, const We
     if (boots != nullptr && has_compared_identity(*boots, boot)) slave["identity"] = "as expected";
     state["slaves"].push_back(std::move(slave));
   }
+  state["outside"] = Fields::array();
+  if (traffic != nullptr) add_outside(state, plant, *traffic, now);
   state["modules"] = Fields::array();
-  for (const plant::ModuleStatus& module : plant.modules()) state["modules"].push_back(module_fields(module));
+  const std::vector<plant::ModuleStatus> modules = plant.modules();
+  for (std::size_t i = 0; i < modules.size(); ++i)
+    state["modules"].push_back(module_fields(modules[i], plant.module(i)));
+  state["programs"] = programs_of(plant);
   state["troubles"] = Fields::array();
   for (const plant::ModuleTrouble& trouble : plant.troubles()) {
     Fields fields = label_fields(trouble.module);

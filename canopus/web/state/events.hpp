@@ -23,7 +23,7 @@ class WebEvents {
   explicit WebEvents(plant::PlantObserver& first) : pair_(first, json_) {}
   [[nodiscard]] plant::PlantObserver& observer() noexcept { return all_; }
   [[nodiscard]] const WebBoots& boots() const noexcept { return boots_; }
-  /// Who gets the events from now on; those up to now at once.
+  /// Gets the events from now on; those up to now at once.
   void set_listener(std::function<void(std::string_view)> listener);
   /// A server listens.
   void listening(std::string_view protocol, std::string_view of, std::string_view address) {
@@ -54,7 +54,7 @@ class WebEvents {
 };
 
 /// The `state` event: what there is to see of the plant at this moment, as JSON.
-/// `traffic`: what the frames say of the nodes, `boots`: which of them had their identity compared; nullptr: not known.
+/// `traffic`: what the frames show of the nodes, `boots`: which of them had their identity compared; nullptr: not known.
 /// `speed`: how fast plant time goes.
 [[nodiscard]] std::string state_event(plant::Plant& plant, const WebTraffic* traffic = nullptr,
                                       const WebBoots* boots = nullptr, double speed = 1);

@@ -1,5 +1,5 @@
 #pragma once
-// The frames of a plant's buses for its page, decoded as `canopus monitor` does. Nothing is kept as long as nobody wants them,
+// The frames of a plant's buses for its page, decoded as `canopus monitor` does. Nothing is kept as long as no client wants them,
 // and of what comes between two looks only the newest: decoding must not delay the plant.
 
 #include <cstddef>
@@ -17,7 +17,7 @@ namespace canopus::web {
 
 class WebMessages {
  public:
-  static constexpr std::size_t most_frames = 250;  ///< between two looks
+  static constexpr std::size_t most_frames = 250;  ///< between two calls
 
   /// The plant, which must not have been switched on, must outlive this.
   explicit WebMessages(plant::Plant& plant);
@@ -28,8 +28,8 @@ class WebMessages {
   /// Of the plant's nodes.
   [[nodiscard]] const trace::Names& names() const noexcept { return decoder_.names(); }
   /// The `messages` event (docs/events.md) of what came since the last look, as JSON; empty when nothing came, and at the first
-  /// look. `wanted`: somebody looks; false ends it.
-  [[nodiscard]] std::string look(bool wanted);
+  /// look. `wanted`: a client wants them; false ends it.
+  [[nodiscard]] std::string take_new(bool wanted);
 
  private:
   class Tap final : public can::BusObserver {

@@ -1,5 +1,5 @@
 #pragma once
-// Views of the page that say one thing in words: the errors of a module, a value of many bytes of a node.
+// Views of the page with one thing in words: the errors of a module, a value of many bytes of a node.
 
 #include <cstddef>
 #include <expected>
@@ -11,7 +11,7 @@
 namespace canopus::web {
 
 /// The event of a view {"errors": MODULE}: what the module of that number in `state` shows and keeps of errors, as
-/// plant::error_history() says, and how a program clears errors and restarts it; empty: there is no such module.
+/// plant::error_history() has them, and how a program clears errors and restarts it; empty: there is no such module.
 [[nodiscard]] std::string errors_event(plant::Plant& plant, const text::Json& wish);
 
 /// The event of a view {"domain": NODE, "object": "1F22:05"}: the value in words, as domain_words() says, of an object of variable

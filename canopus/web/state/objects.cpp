@@ -49,7 +49,7 @@ bool is_ascii(std::span<const std::uint8_t> bytes) {
   return std::ranges::all_of(bytes, [](std::uint8_t byte) { return byte >= 0x20 && byte < 0x7F; });
 }
 
-/// 1F90H:02 to 05 together are a time.
+/// 1F90:02 to 05 together are a time.
 void add_negotiation(text::Json& row, const canopen::ObjectDictionary& objects, const canopen::Entry& entry,
                      std::uint8_t node_id) {
   constexpr std::uint16_t flying_master = 0x1F90, start_up = 0x1F80;
@@ -137,6 +137,10 @@ void add_objects(text::Json& event, const canopen::ObjectDictionary& objects, st
                      {"of", of},
                      {"type", eds::name(entry.description->type)},
                      {"access", eds::name(entry.description->access)}};
+      if (entry.description->tpdo_mappable) row["tpdo"] = true;
+      if (entry.description->rpdo_mappable) row["rpdo"] = true;
+      const std::string_view unit = trace::object_meaning(object.index, static_cast<std::uint8_t>(sub)).unit;
+      if (!unit.empty()) row["unit"] = unit;
       add_value(row, objects, entry, node_id, bytes);
       event["rows"].push_back(std::move(row));
     }

@@ -56,7 +56,7 @@ void add_bits(Json& event, const can::Frame& frame) {
     const sim::BitStream::Bit& bit = stream.bits[i];
     // A stuff bit belongs to the field of the bit before it.
     if (!bit.stuff) field = field_of(payload++, header, 8 * frame.length(), stream.size - i, frame.extended);
-    // The transmitter sends the ACK slot recessive; the frame was completed, so somebody acknowledged it.
+    // The transmitter sends the ACK slot recessive; the frame was completed, so a node acknowledged it.
     const bool dominant = bit.dominant || i == stream.ack_slot;
     Json one{{"level", dominant ? "d" : "r"}, {"field", name(field)}};
     if (bit.stuff) one["stuff"] = true;
@@ -128,8 +128,9 @@ void WebTraffic::add_frame(Json& event, std::size_t bus, const Seen& seen) {
   add_bits(event["frame"], seen.frame);
   ArbitrationProbe* const wire = wire_of(bus);
   if (wire == nullptr) return;
-  const ArbitrationProbe::Arbitration& arbitration = wire->look(seen.frame.identifier, seen.frame.extended);
-  if (arbitration.start != seen.start) return;  // nobody looked
+  const ArbitrationProbe::Arbitration& arbitration =
+      wire->arbitration_of(seen.frame.identifier, seen.frame.extended);
+  if (arbitration.start != seen.start) return;  // the wire was not observed then
   const sim::BitStream stream(seen.frame);
   const auto ports = plant_.bus(bus).ports();
   event["frame"]["lost"] = Json::array();
@@ -211,7 +212,7 @@ const BusStatisticsView* WebTraffic::figures(std::string_view bus) const noexcep
   return nullptr;
 }
 
-std::string WebTraffic::look(const text::Json& wish) {
+std::string WebTraffic::event_of(const text::Json& wish) {
   const std::size_t number = view_number(wish, "traffic", SIZE_MAX);
   if (number >= taps_.size()) return {};
   const Bus& bus = taps_[number]->bus;

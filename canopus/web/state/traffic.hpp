@@ -65,8 +65,8 @@ class WebTraffic {
 
   /// The event of a view {"traffic": BUS, "can_id": 389}: of the bus of that number in `state`, with the bits of the last frame of
   /// that base identifier, with "extended": true of that identifier of 29 bits, if there was one; empty: there is no such bus.
-  [[nodiscard]] std::string look(const text::Json& wish);
-  /// Nobody looks any more.
+  [[nodiscard]] std::string event_of(const text::Json& wish);
+  /// No client has the view any more.
   void forget() { wires_.clear(); }
   /// Of the bus of this name; nullptr: there is none.
   [[nodiscard]] const BusStatisticsView* figures(std::string_view bus) const noexcept;

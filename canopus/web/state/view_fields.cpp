@@ -14,11 +14,7 @@ std::size_t view_number(const text::Json& wish, const char* key, std::size_t mos
   return static_cast<std::size_t>(std::min<std::uint64_t>(found->get<std::uint64_t>(), most));
 }
 
-std::string view_text(const text::Json& wish, const char* key) {
-  const auto found = wish.find(key);
-  if (found == wish.end() || !found->is_string()) return {};
-  return ascii::lower(found->get<std::string>());
-}
+std::string view_text(const text::Json& wish, const char* key) { return ascii::lower(wish.value(key, "")); }
 
 bool has_words(std::string_view text, std::string_view lower_words) noexcept {
   return ascii::contains_ignoring_case(text, lower_words);

@@ -13,6 +13,7 @@
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/web/state/node_detail_view.hpp"
 #include "canopus/web/state/objects.hpp"
+#include "canopus/web/state/program_views.hpp"
 #include "canopus/web/state/values.hpp"
 #include "canopus/web/state/view_fields.hpp"
 
@@ -92,7 +93,7 @@ void WebViews::list_modules() {
   }
 }
 
-std::string WebViews::look(std::string_view view) {
+std::string WebViews::event_of(std::string_view view) {
   if (view.empty()) {
     is_looked_at_ = false;
     traffic_.forget();
@@ -103,11 +104,13 @@ std::string WebViews::look(std::string_view view) {
   if (wish.contains("words")) return words_event(wish);
   if (wish.contains("boots")) return boots_event();
   if (wish.contains("objects")) return objects_event(plant_, wish);
-  if (wish.contains("traffic")) return traffic_.look(wish);
+  if (wish.contains("traffic")) return traffic_.event_of(wish);
   if (wish.contains("values")) return values_event(plant_, wish);
   if (wish.contains("meaning")) return meaning_event(plant_, wish);
   if (wish.contains("errors")) return errors_event(plant_, wish);
   if (wish.contains("domain")) return domain_event(plant_, wish);
+  if (wish.contains("program")) return program_event(plant_, wish);
+  if (wish.contains("variables")) return variables_event(plant_, wish);
   return {};
 }
 
@@ -128,6 +131,7 @@ std::string WebViews::words_event(const text::Json& view) {
     if (plant_.bus(i).name() == module.bus) tap = taps_[i].get();
   }
   const auto process = process_words(module);
+  const auto senders = process.empty() ? Senders() : senders_on(module.bus);
   Json event = plant::event_line(now, "words");
   event["number"] = position;
   event["module"] = module.name;
@@ -136,7 +140,12 @@ std::string WebViews::words_event(const text::Json& view) {
   std::size_t matching = 0;
   for (const Module::Word& word : module.words) {
     const module::BufferRow& row = module.entry->buffer_rows[word.row];
-    if (!has_words(row.name, find) && !has_words(fmt::format("g{}", word.address), find)) continue;
+    const auto pdo = process.find(word.address);
+    const Source source = pdo == process.end() ? Source() : source_of(pdo->second, senders);
+    const auto has = [&](std::string_view text) { return has_words(text, find); };
+    if (!has(row.name) && !has(fmt::format("g{}", word.address)) && !has(source.pdo) && !has(source.can_id) &&
+        !has(source.sender))
+      continue;
     const std::size_t place = matching++;
     if (place < from || place - from >= count) continue;
     Json line{{"address", word.address},
@@ -146,12 +155,11 @@ std::string WebViews::words_event(const text::Json& view) {
               {"initial", row.initial},
               {"section", row.section}};
     add_range(line, row.range);
-    const auto pdo = std::ranges::find(process, word.address, &ProcessWord::address);
     if (pdo != process.end()) {
-      line["pdo"] = fmt::format("{}PDO{}", pdo->received ? 'R' : 'T', pdo->pdo);
-      line["can_id"] = fmt::format("{:03X}", pdo->identifier);
-      if (pdo->received) line["from"] = sender_of(module.bus, pdo->identifier);
-      const can::Time last = tap == nullptr ? can::never : tap->last[pdo->identifier];
+      line["pdo"] = source.pdo;
+      line["can_id"] = source.can_id;
+      if (pdo->second.received) line["from"] = source.sender;
+      const can::Time last = tap == nullptr ? can::never : tap->last[pdo->second.identifier];
       if (last != can::never) line["age"] = can::seconds(can::Time(now - last));
     }
     event["rows"].push_back(std::move(line));
@@ -160,8 +168,8 @@ std::string WebViews::words_event(const text::Json& view) {
   return view_event(event);
 }
 
-std::vector<WebViews::ProcessWord> WebViews::process_words(const Module& module) const {
-  std::vector<ProcessWord> words;
+std::map<std::uint16_t, WebViews::ProcessWord> WebViews::process_words(const Module& module) const {
+  std::map<std::uint16_t, ProcessWord> words;
   const module::DataExchangeLayout& layout = module.module->program_interface().process_data;
   const canopen::ObjectDictionary& objects = module.module->node().dictionary();
   for (const bool received : {true, false}) {
@@ -183,8 +191,8 @@ std::vector<WebViews::ProcessWord> WebViews::process_words(const Module& module)
         for (unsigned byte = 0; byte < std::max<unsigned>(place->size, 1); byte += 2) {
           const std::size_t word = (place->offset + byte) / 2U;
           const auto first = received ? layout.receive_first : layout.transmit_first;
-          words.push_back({static_cast<std::uint16_t>(layout.address(first, word)), received, pdo + 1,
-                           cob_id.identifier()});
+          words.try_emplace(static_cast<std::uint16_t>(layout.address(first, word)),
+                            ProcessWord{received, pdo + 1, cob_id.identifier()});
         }
       }
     }
@@ -192,21 +200,31 @@ std::vector<WebViews::ProcessWord> WebViews::process_words(const Module& module)
   return words;
 }
 
-std::string WebViews::sender_of(std::string_view bus, std::uint32_t identifier) const {
+WebViews::Source WebViews::source_of(const ProcessWord& word, const Senders& senders) {
+  Source source{.pdo = fmt::format("{}PDO{}", word.received ? 'R' : 'T', word.pdo),
+                .can_id = fmt::format("{:03X}", word.identifier)};
+  if (const auto sender = senders.find(word.identifier); word.received && sender != senders.end())
+    source.sender = sender->second;
+  return source;
+}
+
+WebViews::Senders WebViews::senders_on(std::string_view bus) const {
+  Senders senders;
   for (std::size_t i = 0; i < plant_.device_count(); ++i) {
     plant::DeviceOnBus& seat = plant_.device(i);
     const plant::NodeStatus status = seat.status();
     if (status.label.bus != bus) continue;
     const canopen::ObjectDictionary& objects = seat.device().node().dictionary();
-    for (std::uint16_t index = 0x1800; index < 0x1A00; ++index) {
-      if (objects.description().find(index) == nullptr) continue;
-      const canopen::CobId cob_id =
-          canopen::usable(canopen::CobId{objects.get<std::uint32_t>(index, 1, canopen::CobId::invalid_bit)});
-      if (!cob_id.is_valid() || cob_id.key() != identifier) continue;
-      return fmt::format("node {} ({}) TPDO{}", status.label.node_id, status.label.name, index - 0x1800 + 1);
+    for (const canopen::ObjectDescription& object : objects.description().objects()) {
+      if (object.index < 0x1800 || object.index >= 0x1A00) continue;
+      const canopen::CobId cob_id = canopen::usable(
+          canopen::CobId{objects.get<std::uint32_t>(object.index, 1, canopen::CobId::invalid_bit)});
+      if (!cob_id.is_valid() || cob_id.is_extended()) continue;
+      senders.try_emplace(cob_id.identifier(), fmt::format("node {} ({}) TPDO{}", status.label.node_id,
+                                                           status.label.name, object.index - 0x1800 + 1));
     }
   }
-  return {};
+  return senders;
 }
 
 std::string WebViews::boots_event() const {

@@ -1,9 +1,10 @@
 #pragma once
 // What the page looks at beside the state of the plant: the buffer memory of a module, the boots of slaves, objects of a
-// node, the traffic of a bus (docs/web.md, docs/events.md). Looking changes nothing and is no access of the program; what nobody looks at costs nothing.
+// node, the traffic of a bus (docs/web.md, docs/events.md). A view changes nothing and is no access of the program; what no client asks for costs nothing.
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -29,8 +30,8 @@ class WebViews {
   WebViews& operator=(const WebViews&) = delete;
 
   /// The event of a view, one of
-  ///   {"words": MODULE, "find": "...", "from": 0, "count": 100}  words of the module of that number whose name or address
-  ///                                                              holds this text, from the one of that number on
+  ///   {"words": MODULE, "find": "...", "from": 0, "count": 100}  words of the module of that number whose name, address, PDO,
+  ///                                                              CAN-ID or sender holds this text, from the one of that number on
   ///   {"boots": true}
   ///   {"objects": NODE, ...}  web_objects.hpp
   ///   {"traffic": BUS, ...}   web_traffic.hpp
@@ -38,8 +39,10 @@ class WebViews {
   ///   {"meaning": "1017:00"}  web_objects.hpp
   ///   {"errors": MODULE}      node_detail_view.hpp
   ///   {"domain": NODE, ...}   node_detail_view.hpp
-  /// as JSON; empty: it is none. An empty text: nobody looks any more.
-  [[nodiscard]] std::string look(std::string_view view);
+  ///   {"program": PLC, ...}   program_views.hpp
+  ///   {"variables": PLC, ...} program_views.hpp
+  /// as JSON; empty: it is none. An empty text: no client has views any more.
+  [[nodiscard]] std::string event_of(std::string_view view);
   [[nodiscard]] const WebTraffic& traffic() const noexcept { return traffic_; }
 
  private:
@@ -67,20 +70,28 @@ class WebViews {
    private:
     const bool& is_looked_at_;
   };
-  /// A process data word and the PDO that it goes with.
+  /// The PDO that a process data word goes with.
   struct ProcessWord {
-    std::uint16_t address = 0;
     bool received = false;
     unsigned pdo = 0;
     std::uint32_t identifier = 0;
   };
+  /// The same as texts: "RPDO1", "183", "node 3 (encoder) TPDO1".
+  struct Source {
+    std::string pdo{};
+    std::string can_id{};
+    std::string sender{};
+  };
+  /// Of the plant's devices, by base identifier.
+  using Senders = std::map<std::uint32_t, std::string>;
 
   void list_modules();
   [[nodiscard]] std::string words_event(const text::Json& view);
   [[nodiscard]] std::string boots_event() const;
-  [[nodiscard]] std::vector<ProcessWord> process_words(const Module& module) const;
-  /// "node 3 (encoder) TPDO1": who of the plant sends this on the module's bus.
-  [[nodiscard]] std::string sender_of(std::string_view bus, std::uint32_t identifier) const;
+  /// By address.
+  [[nodiscard]] std::map<std::uint16_t, ProcessWord> process_words(const Module& module) const;
+  [[nodiscard]] Senders senders_on(std::string_view bus) const;
+  [[nodiscard]] static Source source_of(const ProcessWord& word, const Senders& senders);
 
   plant::Plant& plant_;
   const WebBoots& boots_;

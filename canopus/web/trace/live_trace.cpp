@@ -12,7 +12,6 @@ namespace canopus::web {
 namespace {
 
 constexpr std::size_t most_waiting = 64;
-constexpr std::chrono::seconds patience{1};
 
 using Clock = std::chrono::steady_clock;
 
@@ -54,7 +53,7 @@ WebTrace::WebTrace(boost::asio::io_context& io, plant::Plant& plant, trace::Name
   }
   held_.reserve(most_held * plant.bus_count());
   use.has_time = [until = until_] { return Clock::now() < *until; };
-  desk_ = std::make_shared<TraceQueryEngine>(std::move(use));
+  engine_ = std::make_shared<TraceQueryEngine>(std::move(use));
   worker_ = std::make_unique<serve::Worker>(most_waiting, false, patience);
   wait();
 }
@@ -75,7 +74,7 @@ void WebTrace::hand_over() {
   if (held_.empty()) return;
   // A copy of as many as there are: room for all that may come, given away each time, would scatter the memory.
   const auto records = std::make_shared<const std::vector<trace::TraceRecord>>(held_);
-  if (worker_->add([desk = desk_, records] { desk->add(*records); })) held_.clear();
+  if (worker_->add([engine = engine_, records] { engine->add(*records); })) held_.clear();
 }
 
 void WebTrace::wait() {
@@ -89,10 +88,10 @@ void WebTrace::wait() {
 
 void WebTrace::ask(Question question, const text::Json& wish, Done done) {
   hand_over();
-  const bool is_taken = worker_->add([question, wish, done, lost = lost_, desk = desk_, until = until_,
+  const bool is_taken = worker_->add([question, wish, done, lost = lost_, engine = engine_, until = until_,
                                       there = std::weak_ptr(is_there_), &io = io_] {
     *until = Clock::now() + turn;
-    auto row = ((*desk).*question)(wish);
+    auto row = ((*engine).*question)(wish);
     if (row && lost != 0) (*row)["lost"] = lost;
     boost::asio::post(io, [done, there, row = std::move(row)]() mutable {
       if (!there.expired()) done(std::move(row));

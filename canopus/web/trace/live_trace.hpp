@@ -26,8 +26,10 @@ class WebTrace {
   static constexpr std::chrono::milliseconds hand_over_every{200};
   static constexpr std::size_t most_held = 8192;   ///< frames of a bus in that time; what is more is lost
   static constexpr std::size_t most_answers = 64;  ///< views that are looked at
-  /// How long the thread works for one answer before it says how far it has come.
+  /// How long the thread works for one answer before it answers how far it has come.
   static constexpr std::chrono::milliseconds turn{100};
+  /// How long the end of the run waits for it.
+  static constexpr std::chrono::seconds patience{1};
 
   /// Both must outlive this. `names`: of the nodes of the plant.
   WebTrace(boost::asio::io_context& io, plant::Plant& plant, trace::Names names);
@@ -35,10 +37,10 @@ class WebTrace {
   WebTrace(const WebTrace&) = delete;
   WebTrace& operator=(const WebTrace&) = delete;
 
-  /// TraceQueryEngine::look(), TraceQueryEngine::export_part(). `done` is called in the loop, once; the error is a
+  /// TraceQueryEngine::answer(), TraceQueryEngine::export_part(). `done` is called in the loop, once; the error is a
   /// sentence.
   using Done = std::function<void(std::expected<text::Json, std::string>)>;
-  void look(const text::Json& wish, Done done) { ask(&TraceQueryEngine::look, wish, std::move(done)); }
+  void query(const text::Json& wish, Done done) { ask(&TraceQueryEngine::answer, wish, std::move(done)); }
   void export_part(const text::Json& wish, Done done) {
     ask(&TraceQueryEngine::export_part, wish, std::move(done));
   }
@@ -60,7 +62,7 @@ class WebTrace {
   std::shared_ptr<bool> is_there_ = std::make_shared<bool>(true);  // for work that comes back
   std::shared_ptr<std::chrono::steady_clock::time_point> until_ =
       std::make_shared<std::chrono::steady_clock::time_point>();  // the worker's alone
-  std::shared_ptr<TraceQueryEngine> desk_;                        // the worker's alone
+  std::shared_ptr<TraceQueryEngine> engine_;                      // the worker's alone
   std::unique_ptr<serve::Worker> worker_;
 };
 

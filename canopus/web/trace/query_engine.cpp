@@ -25,9 +25,15 @@ std::optional<std::uint64_t> number_of(const text::Json& object, const char* key
   return found->get<std::uint64_t>();
 }
 
-std::string text_of(const text::Json& object, const char* key) {
+/// Seconds, as far as plant time goes.
+std::optional<can::Time> time_of(const text::Json& object, const char* key) {
   const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+  if (found == object.end() || !found->is_number()) return std::nullopt;
+  constexpr double latest = 9e9;  // seconds that nanoseconds of 64 bits have room for
+  const double seconds = found->get<double>();
+  if (!(seconds >= 0)) return can::Time{};
+  return can::Time{
+      std::chrono::duration_cast<can::Duration>(std::chrono::duration<double>(std::min(seconds, latest)))};
 }
 
 bool is_sdo_of(const can::Frame& frame, std::uint32_t node) {
@@ -51,7 +57,7 @@ std::size_t TraceQueryEngine::bytes() const noexcept {
 }
 
 void TraceQueryEngine::forget_unasked() {
-  while (queries_.back().asked + most_unasked < looks_) queries_.pop_back();
+  while (queries_.back().asked + most_unasked < asked_count_) queries_.pop_back();
 }
 
 void TraceQueryEngine::keep_within_bytes() {
@@ -62,10 +68,10 @@ void TraceQueryEngine::keep_within_bytes() {
   }
 }
 
-TraceQueryEngine::Answer TraceQueryEngine::look(const text::Json& wish) {
-  if (const auto record = number_of(wish, "frames")) return look_at_frames(*record);
-  if (wish.contains("statistics")) return look_at_statistics();
-  return look_at_rows(wish);
+TraceQueryEngine::Answer TraceQueryEngine::answer(const text::Json& wish) {
+  if (const auto record = number_of(wish, "frames")) return frames_answer(*record);
+  if (wish.contains("statistics")) return statistics_answer();
+  return rows_answer(wish);
 }
 
 std::expected<TraceQueryEngine::Query*, std::string> TraceQueryEngine::query(const std::string& filter,
@@ -84,11 +90,11 @@ std::expected<TraceQueryEngine::Query*, std::string> TraceQueryEngine::query(con
   return &queries_.front();
 }
 
-TraceQueryEngine::Answer TraceQueryEngine::look_at_rows(const text::Json& wish) {
+TraceQueryEngine::Answer TraceQueryEngine::rows_answer(const text::Json& wish) {
   const bool folded = !wish.contains("fold") || wish["fold"] != false;
-  const auto found = query(text_of(wish, "filter"), folded);
+  const auto found = query(wish.value("filter", ""), folded);
   if (!found) return std::unexpected(found.error());
-  (*found)->asked = ++looks_;
+  (*found)->asked = ++asked_count_;
   forget_unasked();
   Json event{{"records", store_.end() - store_.begin()}, {"forgotten", store_.begin()}};
   TraceRows& rows = *(*found)->rows;
@@ -101,7 +107,13 @@ TraceQueryEngine::Answer TraceQueryEngine::look_at_rows(const text::Json& wish) 
   if (left > 0) event["progress"] = static_cast<double>(all - std::min(all, left)) / static_cast<double>(all);
   const std::uint64_t count = std::min<std::uint64_t>(number_of(wish, "count").value_or(50), most_rows);
   const std::uint64_t newest = rows.end() - std::min(count, rows.end() - rows.begin());
-  const std::uint64_t from = std::clamp(number_of(wish, "from").value_or(newest), rows.begin(), newest);
+  std::uint64_t wanted = number_of(wish, "from").value_or(newest);
+  if (const auto at = time_of(wish, "at")) {
+    const std::uint64_t line = rows.first_at(*at);
+    event["at"] = line;
+    wanted = line - std::min(line - rows.begin(), count / 3);  // some that were before it, too
+  }
+  const std::uint64_t from = std::clamp(wanted, rows.begin(), newest);
   event["first"] = rows.begin();
   event["end"] = rows.end();
   event["from"] = from;
@@ -113,10 +125,10 @@ TraceQueryEngine::Answer TraceQueryEngine::look_at_rows(const text::Json& wish) 
 }
 
 /// Those of the same node's SDOs before it, back to the request that began it.
-TraceQueryEngine::Json TraceQueryEngine::look_at_frames(std::uint64_t last) {
+TraceQueryEngine::Json TraceQueryEngine::frames_answer(std::uint64_t last) {
   Json event{{"record", last}, {"rows", Json::array()}};
   if (last < store_.begin() || last >= store_.end()) return event;
-  // The transfer itself says how long it took; decoded again, as it may be of a query that is gone.
+  // The duration is decoded again: the query that had it may be gone.
   const can::Frame& frame = store_.at(last).frame;
   const std::uint32_t node = frame.identifier & 0x7F;
   if (!is_sdo_of(frame, node)) return event;
@@ -129,7 +141,7 @@ TraceQueryEngine::Json TraceQueryEngine::look_at_frames(std::uint64_t last) {
     if (record.channel != channel || record.error_frame || !is_sdo_of(record.frame, node)) continue;
     frames.push_back(i);
   }
-  // Which of them belong to it: the decoder says when one ends.
+  // Which of them belong to it: the decoder reports the end of each transfer.
   trace::Decoder decoder(use_.names, {.frames = true, .transfers = true});
   std::vector<std::pair<std::uint64_t, Json>> lines;
   std::ranges::reverse(frames);
@@ -152,7 +164,7 @@ TraceQueryEngine::Json TraceQueryEngine::look_at_frames(std::uint64_t last) {
   return event;
 }
 
-TraceQueryEngine::Json TraceQueryEngine::look_at_statistics() {
+TraceQueryEngine::Json TraceQueryEngine::statistics_answer() {
   if (!statistics_ || counted_ < store_.begin()) {
     // What was forgotten is in the figures no more.
     statistics_.emplace();
@@ -191,12 +203,12 @@ TraceQueryEngine::Answer TraceQueryEngine::export_part(const text::Json& wish) {
   if (!part) return std::unexpected("\"part\" is to be a number from 0 on");
   std::string bytes;
   if (*part == 0) {
-    const std::string name = text_of(wish, "format");
+    const std::string name = wish.value("format", "");
     const auto format = trace::format_of_name(name);
-    if (!format || *format == trace::FileFormat::blf) {
+    if (!format || !trace::is_written(*format)) {
       return std::unexpected("\"format\" is to be candump, pcapng, pcap, asc, trc or csv");
     }
-    auto filter = trace::FilterExpression::parse(text_of(wish, "filter"));
+    auto filter = trace::FilterExpression::parse(wish.value("filter", ""));
     if (!filter) return std::unexpected(filter.error());
     export_.emplace(Export{.filter = std::move(*filter),
                            .encoder = trace::TraceEncoder(*format),

@@ -28,8 +28,8 @@ class TraceQueryEngine {
   static constexpr std::size_t most_frames = 256;  ///< of a transfer that is opened
   static constexpr std::size_t most_queries =
       4;  ///< filters that are kept decoded; another one ends the oldest
-  static constexpr std::size_t most_unasked = 256;    ///< looks at other filters, until one is kept no more
-  static constexpr std::size_t part_frames = 16'384;  ///< that an export looks at at once
+  static constexpr std::size_t most_unasked = 256;    ///< answers of other filters, until one is kept no more
+  static constexpr std::size_t part_frames = 16'384;  ///< that a part of an export covers
   static constexpr std::size_t slice = 2000;  ///< frames that are decoded before the clock is looked at
   using Json = text::Json;
 
@@ -53,11 +53,12 @@ class TraceQueryEngine {
 
   using Answer = std::expected<Json, std::string>;  ///< the error is a sentence
   /// One of
-  ///   {"filter": "...", "fold": true, "from": 1000, "count": 100}  lines from this number on; without "from" the newest
+  ///   {"filter": "...", "fold": true, "from": 1000, "count": 100}  lines from this number on; without "from" the newest; with
+  ///                          "at": SECONDS in its place those about the first one at or after this moment, whose number is `at`
   ///   {"frames": RECORD}     frames of the SDO transfer to which this one belongs, up to it
   ///   {"statistics": true}
   /// as docs/web.md has the answers.
-  [[nodiscard]] Answer look(const text::Json& wish);
+  [[nodiscard]] Answer answer(const text::Json& wish);
 
   /// {"filter": "...", "format": "candump", "part": 0}: the next part of the file: {"data": "base64", "frames": 12, "done": false, "at": 0.5};
   /// part 0 begins.
@@ -68,7 +69,7 @@ class TraceQueryEngine {
     std::string filter{};
     bool folded = true;
     std::unique_ptr<TraceRows> rows{};
-    std::uint64_t asked = 0;  // number of the look
+    std::uint64_t asked = 0;  // number of the answer
   };
   struct Export {
     trace::FilterExpression filter{};
@@ -82,14 +83,14 @@ class TraceQueryEngine {
   [[nodiscard]] std::expected<Query*, std::string> query(const std::string& filter, bool folded);
   void forget_unasked();
   void keep_within_bytes();
-  [[nodiscard]] Answer look_at_rows(const text::Json& wish);
-  [[nodiscard]] Json look_at_frames(std::uint64_t last);
-  [[nodiscard]] Json look_at_statistics();
+  [[nodiscard]] Answer rows_answer(const text::Json& wish);
+  [[nodiscard]] Json frames_answer(std::uint64_t last);
+  [[nodiscard]] Json statistics_answer();
 
   Use use_;
   TraceStore store_;
-  std::deque<Query> queries_;  // the one that was looked at last in front
-  std::uint64_t looks_ = 0;    // at lines
+  std::deque<Query> queries_;      // the one that was looked at last in front
+  std::uint64_t asked_count_ = 0;  // of rows
   std::optional<trace::Statistics> statistics_;
   std::unique_ptr<trace::Decoder> statistics_decoder_;
   std::uint64_t counted_ = 0;

@@ -110,6 +110,15 @@ void TraceRows::forget_oldest() {
   begin_ += block;
 }
 
+std::uint64_t TraceRows::first_at(can::Time time) const noexcept {
+  const auto part = std::ranges::find_if(
+      blocks_, [&](const Block& one) { return !one.rows.empty() && one.rows.back().time >= time; });
+  if (part == blocks_.end()) return end_;
+  const auto row = std::ranges::lower_bound(part->rows, time, {}, &Row::time);
+  return begin_ + static_cast<std::uint64_t>(part - blocks_.begin()) * block +
+         static_cast<std::uint64_t>(row - part->rows.begin());
+}
+
 text::Json TraceRows::row(std::uint64_t number, const TraceStore& store) const {
   const Block& part = blocks_[(number - begin_) / block];
   const std::size_t place = (number - begin_) % block;

@@ -33,6 +33,8 @@ class TraceRows {
   /// Numbers of lines: the oldest that is kept, and the one that comes next.
   [[nodiscard]] std::uint64_t begin() const noexcept { return begin_; }
   [[nodiscard]] std::uint64_t end() const noexcept { return end_; }
+  /// The first line at or after this moment; end(): there is none.
+  [[nodiscard]] std::uint64_t first_at(can::Time time) const noexcept;
   /// One from begin() up to end(), as docs/events.md has it.
   [[nodiscard]] text::Json row(std::uint64_t number, const TraceStore& store) const;
 

@@ -23,7 +23,12 @@ using ::testing::StartsWith;
 using namespace std::chrono_literals;
 
 const WebMoment start{1h};
-const WebPlace place{.address = "10.0.0.9", .port = 8080, .has_users = true};
+std::shared_ptr<const PageFiles> page_files() {
+  PageFiles files;
+  files.add("login.html", "<p id=\"said\" role=\"alert\"></p>\n");
+  return std::make_shared<const PageFiles>(std::move(files));
+}
+const WebPlace place{.address = "10.0.0.9", .port = 8080, .has_users = true, .files = page_files()};
 
 class WebGateTest : public ::testing::Test {
  protected:
@@ -253,8 +258,8 @@ TEST_F(WebGateTest, WhoIsNotInTheFileAnyMore_IsOut) {
     accounts_->erase(accounts_->begin());
   }
   const int reads = reads_;
-  gate_->look(start + 10s);
-  gate_->look(start + 15s);
+  gate_->refresh(start + 10s);
+  gate_->refresh(start + 15s);
   turn([&] { return session->is_over; });
   EXPECT_EQ(reads_, reads + 1) << "once in 10 s";
   EXPECT_FALSE(other->is_over);
@@ -268,10 +273,10 @@ TEST_F(WebGateTest, AFileThatHasBecomeWrong_ChangesNothing_AndIsSaidOnce) {
     const std::scoped_lock lock(mutex_);
     accounts_ = std::unexpected(std::string("users:3: expected NAME ROLE HASH"));
   }
-  gate_->look(start + 10s);
+  gate_->refresh(start + 10s);
   turn([&] { return !reports_.empty(); });
   const int reads = reads_;
-  gate_->look(start + 20s);
+  gate_->refresh(start + 20s);
   turn([&] { return reads_ != reads; });
   context_.run_for(20ms);
   EXPECT_THAT(reports_, ElementsAre("users:3: expected NAME ROLE HASH; the users stay as they are"));
@@ -295,7 +300,7 @@ TEST_F(WebGateTest, WithoutUsers_NobodyHasASession) {
   gate_ = std::make_shared<Authenticator>(context_, WebGateOptions{}, Authenticator::Use{});
   EXPECT_FALSE(gate_->has_users());
   EXPECT_EQ(session_of("canopus_8080=0123456789abcdef0123456789abcdef"), nullptr);
-  gate_->look(start);
+  gate_->refresh(start);
   EXPECT_THAT(notes_, IsEmpty());
 }
 

@@ -184,7 +184,7 @@ TEST_F(WebUsersFile, IsForItsOwner_AndMayBeForHisGroupToRead) {
 TEST_F(WebUsersFile, OfAnotherUserIsRefused) {
   if (::geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
   ASSERT_EQ(::chown(file_.c_str(), 12345, 0), 0);
-  EXPECT_EQ(error_with(0600), file_ + ": expected a file of who runs the program, or of root");
+  EXPECT_EQ(error_with(0600), file_ + ": expected a file owned by the user of this program, or by root");
 }
 
 TEST_F(WebUsersFile, WhatIsNoFile_IsNotWaitedFor) {

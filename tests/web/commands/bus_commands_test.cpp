@@ -215,7 +215,7 @@ TEST_F(BusCommandsTest, ABusWithoutANode_IsSaidToAcknowledgeNothing) {
       Json::parse(
           R"([{"node":3,"object":"1000:00","abort":"05040000","reason":"no answer within 500.0 ms"}])"));
   EXPECT_EQ(answer.code, 1);
-  EXPECT_EQ(answer.message, "canopus: the bus: nobody acknowledges: no other node on this bus");
+  EXPECT_EQ(answer.message, "canopus: the bus: no acknowledgement: no other node on this bus");
 }
 
 TEST_F(BusCommandsTest, WrongWords_AreThoseOfTheCommandLine) {
@@ -232,7 +232,7 @@ TEST_F(BusCommandsTest, WrongWords_AreThoseOfTheCommandLine) {
   EXPECT_THAT(wrong({{"command", "sdo read"}, {"node", "3"}, {"object", "1000"}, {"type", "u33"}}),
               StartsWith("canopus: --type: \"u33\" is not a type"));
   EXPECT_THAT(wrong({{"command", "sdo write"}, {"node", "3"}, {"object", "1017"}, {"value", "500"}}),
-              StartsWith("canopus: which type has the value? Give --type "));
+              StartsWith("canopus: type missing: use --type u16 (or another of "));
   EXPECT_EQ(wrong({{"command", "nmt start"}, {"node", "\u001b[2J"}}),
             "canopus: \"\\x1B[2J\" is not a node; expected a node-ID 1 to 127, or all");
   EXPECT_EQ(wrong({{"command", "boot retry"}, {"node", "5"}, {"master", "0"}}),

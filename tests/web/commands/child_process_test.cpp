@@ -95,7 +95,7 @@ TEST_F(ChildProcessTest, OfLongErrors_TheBeginningIsKept) {
 TEST_F(ChildProcessTest, WhoSaysTooMuch_IsEnded_AndToldSo) {
   run("yes", 100000);
   EXPECT_EQ(code_, 128 + SIGKILL);
-  EXPECT_EQ(errors_, "it says more than 100000 bytes and was ended\n");
+  EXPECT_EQ(errors_, "it printed more than 100000 bytes and was ended\n");
 }
 
 }  // namespace

@@ -31,10 +31,8 @@ const WebBus line1{.name = "line1",
                    .is_live = true,
                    .device_files = {"eds"}};
 
-const WebSettings module{.file = "module.xml",
-                         .model = "RJ71CN91",
-                         .plc = {"--host=192.168.3.39", "--port=5007"},
-                         .is_live = true};
+const WebSettings module{
+    .file = "module.xml", .model = "RJ71CN91", .plc = {"--plc=192.168.3.39:5007"}, .is_live = true};
 
 std::expected<WebCommandLine, std::string> line_of(const text::Json& wish, const WebBus& bus = line1) {
   return web_command_line(wish, bus);
@@ -62,20 +60,20 @@ TEST(WebArguments, CommandOfModuleSettings_NamesTheirFileAndTheirPlc) {
   EXPECT_THAT(arguments({{"command", "configure set"}, {"window", "tpdo/5"}, {"items", {"--json", "a=b"}}}),
               ElementsAre("configure", "set", "--", "module.xml", "tpdo/5", "--json", "a=b"));
   EXPECT_THAT(arguments({{"command", "configure describe"}}),
-              ElementsAre("configure", "describe", "--json", "--model=RJ71CN91", "--"));
+              ElementsAre("configure", "describe", "--json", "--module=RJ71CN91", "--"));
   EXPECT_THAT(arguments({{"command", "configure diff"}, {"part", "--yes"}}),
-              ElementsAre("configure", "diff", "--json", "--host=192.168.3.39", "--port=5007", "--part=--yes",
-                          "--", "module.xml"));
+              ElementsAre("configure", "diff", "--json", "--plc=192.168.3.39:5007", "--part=--yes", "--",
+                          "module.xml"));
   EXPECT_THAT(arguments({{"command", "configure sdo-read"}, {"node", "3"}, {"object", "1018:02"}}),
-              ElementsAre("configure", "sdo-read", "--json", "--host=192.168.3.39", "--port=5007",
+              ElementsAre("configure", "sdo-read", "--json", "--plc=192.168.3.39:5007",
                           "--project=module.xml", "--", "3", "1018:02"));
   EXPECT_THAT(arguments({{"command", "configure nodes save"}}),
-              ElementsAre("configure", "nodes", "--save", "--yes", "--json", "--host=192.168.3.39",
-                          "--port=5007", "--", "module.xml"));
+              ElementsAre("configure", "nodes", "--save", "--yes", "--json", "--plc=192.168.3.39:5007", "--",
+                          "module.xml"));
   EXPECT_THAT(arguments({{"command", "configure export"}}),
               ElementsAre("configure", "export", "--", "module.xml", "{file}"));
   EXPECT_THAT(arguments({{"command", "plc type"}}),
-              ElementsAre("plc", "type", "--json", "--host=192.168.3.39", "--port=5007", "--"));
+              ElementsAre("plc", "type", "--json", "--plc=192.168.3.39:5007", "--"));
   for (const char* unknown : {"configure new", "configure recent", "plc write", "project set"}) {
     EXPECT_THAT(arguments({{"command", unknown}}), ElementsAre(HasSubstr("unknown command"))) << unknown;
     EXPECT_FALSE(is_web_settings_command(unknown));
@@ -129,6 +127,28 @@ TEST(WebArguments, RetryOfABoot_IsARequestToTheMaster) {
   for (const char* name : {"boot retry", "boot retry all"}) {
     EXPECT_EQ(line_of({{"command", name}, {"node", "5"}}).error(),
               fmt::format("{}: expected \"master\"", name));
+  }
+}
+
+TEST(WebArguments, WhatIsDoneWithinTheProcess_HasTheFieldsThemselves) {
+  const auto read = line_of({{"command", "sdo read"}, {"node", "--5"}, {"object", "1017"}, {"type", "u16"}});
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->on_bus.kind, WebCommand::OnBus::Kind::sdo_read);
+  EXPECT_EQ(read->field("node"), "--5") << "as it was said, whatever a command line would make of it";
+  EXPECT_EQ(read->field("object"), "1017");
+  EXPECT_EQ(read->field("type"), "u16");
+  EXPECT_EQ(read->field("value"), "");
+  EXPECT_EQ(line_of({{"command", "scan"}})->on_bus.kind, WebCommand::OnBus::Kind::none);
+}
+
+TEST(WebArguments, NmtCommands_AreTheSameWithinTheProcess_AndAsACommandLine) {
+  for (const WebCommand& one : web_bus_commands()) {
+    if (one.on_bus.kind != WebCommand::OnBus::Kind::nmt) continue;
+    std::string words = fmt::format("nmt {}", one.on_bus.service);
+    if (one.on_bus.waits) words += " --wait";
+    if (one.on_bus.time_out != std::chrono::milliseconds(500))
+      words += fmt::format(" --timeout={}s", one.on_bus.time_out / std::chrono::seconds(1));
+    EXPECT_EQ(one.words.empty() ? one.title : one.words, words) << one.title;
   }
 }
 
@@ -455,7 +475,7 @@ TEST_F(WebCommandsTest, WhoOnlyLooks_LeavesRoomToOthers) {
   script("exit 0\n");
   for (std::uint32_t id = 0; id < 40; ++id)
     say({{"command", "project show"}}, id, WebRole::look, std::to_string(id));
-  EXPECT_EQ(replies_.size(), 40 - WebCommands::most_of_lookers);
+  EXPECT_EQ(replies_.size(), 40 - WebCommands::most_of_role_look);
   replies_.clear();
   say({{"command", "project undo"}}, 100, WebRole::operate, "ann");
   EXPECT_EQ(replies_.size(), 1U);  // refused for its role, not for want of room
@@ -463,7 +483,7 @@ TEST_F(WebCommandsTest, WhoOnlyLooks_LeavesRoomToOthers) {
   replies_.clear();
   say({{"command", "project undo"}}, 101);
   EXPECT_THAT(replies_, IsEmpty());
-  EXPECT_EQ(replies().size(), 1 + WebCommands::most_of_lookers);
+  EXPECT_EQ(replies().size(), 1 + WebCommands::most_of_role_look);
 }
 
 TEST_F(WebCommandsTest, WhatIsNotAllowed_IsRefusedWhileNothingHasRoom) {
@@ -516,7 +536,7 @@ TEST_F(WebCommandsTest, WhoPrintsWithoutEnd_IsEnded) {
   say({{"command", "project show"}}, 1);
   const Json last = replies().back();
   EXPECT_EQ(last["code"], 128 + 9);
-  EXPECT_THAT(last["message"].get<std::string>(), HasSubstr("it says more than 100000 bytes"));
+  EXPECT_THAT(last["message"].get<std::string>(), HasSubstr("it printed more than 100000 bytes"));
 }
 
 TEST_F(WebCommandsTest, CommandOfThisProcess_IsDoneAtOnce) {

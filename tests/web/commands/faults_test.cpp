@@ -37,7 +37,7 @@ const std::string plant_text =
 class WebFaultsTest : public support::PlantFolder {
  protected:
   void start(const std::string& text = plant_text) {
-    plant_ = load(text, nobody_);
+    plant_ = load(text, no_observer_);
     ASSERT_NE(plant_, nullptr);
     faults_.emplace(*plant_, clock_);
     plant_->power_on();
@@ -49,8 +49,8 @@ class WebFaultsTest : public support::PlantFolder {
     return row ? "it was taken" : row.error();
   }
 
-  class Nobody final : public plant::PlantObserver {
-  } nobody_;
+  class NoObserver final : public plant::PlantObserver {
+  } no_observer_;
   class Clock final : public link::LoopClock {
    public:
     can::Time now() override { return {}; }
@@ -133,6 +133,55 @@ TEST_F(WebFaultsTest, Nonsense_IsRefusedInASentence_AndChangesNothing) {
             "fault 1 (jam): no port \"nobody\" on bus \"line1\"");
   EXPECT_EQ(bus(), before);
   EXPECT_EQ(clock_.touches, 0);
+}
+
+TEST_F(WebFaultsTest, OneIsEnded_AndTheOthersKeepTheirHits) {
+  start();
+  const text::Json jam{{"text", "kind = \"jam\"\nports = [\"encoder\"]"}};
+  const text::Json drop{{"text", "kind = \"drop\"\nidentifier = 0x183\nreceiver = \"ME3CAN1-Q U0\""}};
+  const text::Json off{{"text", "kind = \"drop\"\nidentifier = 0x184"}, {"on", false}};
+  run(4s);  // jammed at once, the encoder would not be started
+  ASSERT_TRUE(faults_->run({{"bus", "line1"}, {"faults", {off, jam, drop}}}));
+  run(2s);
+  const int hits = bus()["faults"][2]["hits"].get<int>();
+  EXPECT_GT(hits, 5);
+  ASSERT_TRUE(bus()["faults"][1]["active"]);
+  const int touches = clock_.touches;
+  const auto row = faults_->end({{"bus", "line1"}, {"number", 1U}});
+  ASSERT_TRUE(row) << row.error();
+  EXPECT_EQ(clock_.touches, touches + 1);
+  ASSERT_EQ(bus()["faults"].size(), 2U);
+  EXPECT_EQ(bus()["faults"][1]["hits"], hits);
+  run(1s);
+  EXPECT_GT(bus()["faults"][1]["hits"].get<int>(), hits) << "it goes on, and is not counted anew";
+  ASSERT_TRUE(faults_->end({{"bus", "line1"}, {"number", 1U}}));
+  ASSERT_TRUE(faults_->end({{"bus", "line1"}, {"number", 0U}})) << "one that is off";
+  EXPECT_TRUE(bus()["faults"].empty());
+  const auto none = faults_->end({{"bus", "line1"}, {"number", 0U}});
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error(), "there is no fault");
+}
+
+TEST_F(WebFaultsTest, EndOfAFaultThatThereIsNot_ChangesNothing) {
+  start();
+  const Json before = bus();
+  for (const text::Json& number : {text::Json(1U), text::Json(-1), text::Json("0"), text::Json()}) {
+    const auto row = faults_->end({{"bus", "line1"}, {"number", number}});
+    ASSERT_FALSE(row);
+    EXPECT_EQ(row.error(), "number: expected that of a fault of the list, 0 to 0");
+  }
+  EXPECT_FALSE(faults_->end({{"bus", "line2"}, {"number", 0U}}));
+  EXPECT_EQ(bus(), before);
+}
+
+TEST_F(WebFaultsTest, WhatActedBeforeARefusedRun_GoesOn_AndIsCounted) {
+  start();
+  run(3s);
+  const int hits = bus()["faults"][0]["hits"].get<int>();
+  EXPECT_THAT(error({{"bus", "line1"}, {"faults", {text::Json{{"text", "kind = \"x\""}}}}}),
+              HasSubstr("fault 1: "));
+  run(1s);
+  EXPECT_GT(bus()["faults"][0]["hits"].get<int>(), hits);
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ constexpr unsigned head_of_second = 0x20;
 class WebModulesTest : public support::PlantFolder {
  protected:
   void start(const std::string& text) {
-    plant_ = load(text, nobody_);
+    plant_ = load(text, no_observer_);
     ASSERT_NE(plant_, nullptr);
     modules_.emplace(*plant_, clock_);
     plant_->power_on();
@@ -75,8 +75,8 @@ class WebModulesTest : public support::PlantFolder {
   void clear(const WishJson& wish = {{"number", 0U}}) { modules_->clear_errors(wish, hear()); }
   void reset(const WishJson& wish = {{"number", 0U}}) { modules_->restart(wish, hear()); }
 
-  class Nobody final : public plant::PlantObserver {
-  } nobody_;
+  class NoObserver final : public plant::PlantObserver {
+  } no_observer_;
   class Clock final : public link::LoopClock {
    public:
     can::Time now() override { return {}; }
@@ -307,7 +307,7 @@ TEST_F(WebModulesTest, SomebodyElsesRequest_IsLeftAlone) {
   start(plant_with(me3can1));
   set_output(0x0F, true);
   clear();
-  EXPECT_EQ(said_, "ME3CAN1-Q U0: Y0F is ON already: somebody else asks for the same");
+  EXPECT_EQ(said_, "ME3CAN1-Q U0: Y0F is ON already: the PLC program, or another client, asks for the same");
   run(2s);
   EXPECT_TRUE(output(0x0F));
 }
@@ -365,6 +365,51 @@ TEST(WebOwnCommands, OnALiveBus_WantToBeArmed) {
   say({{"command", "clear errors"}, {"bus", "line1"}});
   EXPECT_EQ(reply["code"], 0);
   EXPECT_EQ(runs, 2);
+}
+
+TEST_F(WebModulesTest, AWordIsWritten_AsAProgramWritesIt) {
+  start(plant_with(me3can1));
+  const auto row = modules_->write_word({{"number", 0U}, {"address", 13000U}, {"value", 0x1234U}});
+  ASSERT_TRUE(row) << row.error();
+  EXPECT_EQ((*row)["module"].string(), "ME3CAN1-Q U0");
+  EXPECT_EQ((*row)["address"].get<int>(), 13000);
+  EXPECT_EQ((*row)["value"].get<int>(), 0x1234);
+  EXPECT_NE((*row)["name"].string(), "");
+  EXPECT_EQ(word(13000), 0x1234);
+  EXPECT_EQ(clock_.touches, 1);
+}
+
+TEST_F(WebModulesTest, AWordThatCannotBeWritten_SaysWhy_AndNothingIsWritten) {
+  start(plant_with(me3can1));
+  const auto error = [&](const WishJson& wish) {
+    const auto row = modules_->write_word(wish);
+    return row ? std::string("it was written") : row.error();
+  };
+  EXPECT_EQ(error({{"number", 1U}, {"address", 1U}, {"value", 1U}}),
+            "number: expected that of a module of the plant, 0 to 0");
+  EXPECT_EQ(error({{"number", 0U}, {"value", 1U}}), "address: expected 0 to 65535");
+  EXPECT_EQ(error({{"number", 0U}, {"address", 65536U}, {"value", 1U}}), "address: expected 0 to 65535");
+  EXPECT_EQ(error({{"number", 0U}, {"address", 27U}}), "value: expected 0 to 65535");
+  EXPECT_EQ(error({{"number", 0U}, {"address", 27U}, {"value", -1}}), "value: expected 0 to 65535");
+  EXPECT_EQ(error({{"number", 0U}, {"address", 27U}, {"value", 65536U}}), "value: expected 0 to 65535");
+  EXPECT_EQ(error({{"number", 0U}, {"address", 65535U}, {"value", 1U}}),
+            "ME3CAN1-Q U0 G65535: the module has no such word");
+  EXPECT_EQ(error({{"number", 0U}, {"address", 10000U}, {"value", 1U}}),
+            "ME3CAN1-Q U0 G10000: a program can only read this word");
+  EXPECT_EQ(error({{"number", 0U}, {"address", 27U}, {"value", 200U}}),
+            "ME3CAN1-Q U0 G27: 200 does not fit; expected 1 to 127")
+      << "[ME3CAN1-Q 4.6.6]";
+  EXPECT_THAT(error({{"number", 0U}, {"address", 24U}, {"value", 3U}}),
+              StartsWith("ME3CAN1-Q U0 G24: 3 does not fit; expected one of "));
+  EXPECT_EQ(word(29), 0) << "a wrong value would be an error of the module";
+  EXPECT_EQ(clock_.touches, 0);
+}
+
+TEST_F(WebModulesTest, AWordOfAnotherModel_IsWritten) {
+  start(plant_with(fx3u, "family = \"FX3\"\n"));
+  const auto row = modules_->write_word({{"number", 0U}, {"address", 11000U}, {"value", 7U}});
+  ASSERT_TRUE(row) << row.error();
+  EXPECT_EQ(word(11000), 7);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "canopus/web/commands/start_page.hpp"
 
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -48,6 +49,11 @@ class WebStartTest : public ::testing::Test {
     fs::create_directories((folder_ / path).parent_path());
     std::ofstream(folder_ / path) << text;
   }
+  static std::vector<std::string> plants_of(const WebStart::Json& found) {
+    std::vector<std::string> paths;
+    for (const WebStart::Json& one : found["plants"]) paths.push_back(one["path"].get<std::string>());
+    return paths;
+  }
   WebStart::Done say() {
     return [this](std::expected<WebStart::Json, std::string> row) {
       said_.push_back(row ? row->dump() : "error: " + row.error());
@@ -78,6 +84,21 @@ class WebStartTest : public ::testing::Test {
   std::vector<std::string> said_;
 };
 
+TEST_F(WebStartTest, TheFolder_IsShownAsPeopleKnowIt) {
+  const char* const home = std::getenv("HOME");
+  const std::string before = home == nullptr ? "" : home;
+  const auto shown = [&](const fs::path& of_user) {
+    ::setenv("HOME", of_user.c_str(), 1);
+    return start("").list()["folder"].get<std::string>();
+  };
+  EXPECT_EQ(shown("/nowhere"), folder_.string());
+  EXPECT_EQ(shown(folder_.string() + "x"), folder_.string());
+  EXPECT_EQ(shown(folder_.parent_path()), "~/" + folder_.filename().string());
+  EXPECT_EQ(shown(folder_), "~");
+  EXPECT_EQ(shown(""), folder_.string());
+  ::setenv("HOME", before.c_str(), 1);
+}
+
 TEST_F(WebStartTest, PlantsAndProjectsOfTheFolder_TwoFoldersDown) {
   write("b.toml", "[[bus]]\n");
   write("other.toml", "[package]\n");
@@ -88,9 +109,30 @@ TEST_F(WebStartTest, PlantsAndProjectsOfTheFolder_TwoFoldersDown) {
   write("x/y/z/deep.toml", "[[bus]]\n");
   write("line/nodelist.cpj", "");
   const WebStart::Json found = start("").list();
-  EXPECT_EQ(found["folder"], folder_.string());
-  EXPECT_EQ(found["plants"].dump(), R"(["b.toml","x/a.toml"])");
+  EXPECT_THAT(plants_of(found), ElementsAre("b.toml", "x/a.toml"));
   EXPECT_EQ(found["projects"].dump(), R"(["line/nodelist.cpj","x/y/nodelist.cpj"])");
+}
+
+TEST_F(WebStartTest, Plants_AreShownByWhatTheyHave) {
+  write(
+      "good.toml",
+      "[plant]\nname = \"press\"\n[[bus]]\nname = \"line1\"\nbit_rate = 250_000\n[[bus]]\nname = "
+      "\"far\"\nbit_rate = "
+      "500_000\nlink = \"socketcan:can0\"\n[[device]]\nbus = \"line1\"\nnode = 3\nname = \"encoder\"\neds = "
+      "\"e.eds\"\n[[device]]\nbus = \"line1\"\nnode = 4\neds = \"e.eds\"\n[[plc]]\nlisten = "
+      "\"off\"\n[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nbus = \"line1\"\nnode = 1\n");
+  write("wrong.toml", "[[bus]]\nname = \"a\"\nbit_rate = 1\n");
+  write("large.toml", "[[bus]]\n" + std::string(300'000, '#'));
+  const WebStart::Json found = start("").list();
+  const WebStart::Json& good = found["plants"][0];
+  EXPECT_EQ(good["name"], "press");
+  EXPECT_EQ(
+      good["buses"].dump(),
+      R"([{"bus":"line1","bit_rate":250000,"live":false,"modules":["ME3CAN1-Q"],"devices":["encoder","node 4"]},)"
+      R"({"bus":"far","bit_rate":500000,"live":true,"modules":[],"devices":[]}])");
+  EXPECT_EQ(found["plants"][1].dump(), R"({"path":"large.toml"})");
+  EXPECT_THAT(found["plants"][2]["problem"].get<std::string>(), HasSubstr("wrong.toml:3:"));
+  EXPECT_THAT(found["models"].dump(), HasSubstr("\"ME3CAN1-Q\""));
 }
 
 TEST_F(WebStartTest, SettingsOfModules_AreListedAndOpened_OtherXmlIsNot) {
@@ -115,7 +157,7 @@ TEST_F(WebStartTest, NewSettings_AreMadeAndOpened) {
   const std::string file = (folder_ / "press.xml").string();
   std::ifstream written(log);
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(written), {}),
-            "configure new --model=RJ71CN91 -- " + file + "\nweb --json -- " + file + "\n");
+            "configure new --module=RJ71CN91 -- " + file + "\nweb --json -- " + file + "\n");
   for (const char* name : {"", ".x", "a/b", "a\\b", "../x"}) {
     start.make_settings(name, "RJ71CN91", say());
     EXPECT_THAT(said(), ElementsAre(HasSubstr("error: expected a name"))) << name;
@@ -236,14 +278,99 @@ TEST_F(WebStartTest, WhatDoesNotStart_SaysWhy) {
 
 TEST_F(WebStartTest, NewProject_IsMadeAndOpened) {
   WebStart& start = this->start("if [ $1 = project ]; then mkdir \"$5\"; exit 0; fi\n" + shows_page());
-  start.make_project("line 1", say());
+  start.make_project({{"name", "line 1"}}, say());
   EXPECT_THAT(said(), ElementsAre(HasSubstr("http")));
   EXPECT_TRUE(fs::is_directory(folder_ / "line 1"));
   EXPECT_EQ(arguments(), "web --json -- " + (folder_ / "line 1").string() + "\n");
   for (const char* name : {"", "../x", "a/b", ".x", "a\\b", "\x1B[2J"}) {
-    start.make_project(name, say());
+    start.make_project({{"name", name}}, say());
     EXPECT_THAT(said(), ElementsAre(HasSubstr("error: expected a name"))) << name;
   }
+}
+
+constexpr std::string_view servo_file =
+    "[DeviceInfo]\nVendorNumber=1\n[1000]\nParameterName=T\nDataType=7\nAccessType=ro\nDefaultValue="
+    "0x20192\n";
+const WebStart::Json servo{{"file", {{"name", "Servo 1.eds"}, {"text", servo_file}}}, {"name", "servo"}};
+
+TEST_F(WebStartTest, NewPlant_IsAFolderWithItsFiles_CheckedAndRun) {
+  const std::string log = (top_ / "log").string();
+  WebStart& start = this->start("echo \"$@\" >> " + log + "; [ $1 = check ] && exit 0; " + shows_page());
+  WebStart::Json valve = servo;
+  valve["node_id"] = 2U;
+  start.make_plant(
+      {{"name", "press"}, {"model", "FX3U-CAN"}, {"bit_rate", "125k"}, {"devices", {servo, valve}}}, say());
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("http")));
+  const std::string file = (folder_ / "press/plant.toml").string();
+  std::ifstream written(log);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(written), {}),
+            "check -- " + file + "\nrun --json --web --free-ports -- " + file + "\n");
+  std::ifstream plant(file);
+  const std::string text(std::istreambuf_iterator<char>(plant), {});
+  EXPECT_THAT(text, HasSubstr("bit_rate = 125000\n"));
+  EXPECT_THAT(text, HasSubstr("[[device]]\nnode = 3\nname = \"servo\"\neds = \"node-3-Servo_1.eds\"\n"))
+      << "the lowest node-ID that is free";
+  EXPECT_THAT(text, HasSubstr("[[device]]\nnode = 2\nname = \"servo\"\neds = \"node-2-Servo_1.eds\"\n"));
+  EXPECT_THAT(text, HasSubstr("model = \"FX3U-CAN\"\nposition = 0\nnode = 1\nmaster = true "));
+  EXPECT_TRUE(fs::is_regular_file(folder_ / "press/node-3-Servo_1.eds"));
+}
+
+TEST_F(WebStartTest, NewPlantThatIsWrong_IsNotKept) {
+  WebStart& start = this->start("echo 'plant.toml:9:1: oh' >&2; exit 2\n");
+  start.make_plant({{"name", "press"}, {"model", "ME3CAN1-Q"}, {"devices", {servo}}}, say());
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("plant.toml:9:1: oh")));
+  EXPECT_FALSE(fs::exists(folder_ / "press"));
+  const auto refused = [&](const WebStart::Json& wish) {
+    start.make_plant(wish, say());
+    return said().front();
+  };
+  write("there", "");
+  EXPECT_THAT(refused({{"name", "there"}, {"model", "ME3CAN1-Q"}}),
+              HasSubstr("there is something with the name there"));
+  EXPECT_THAT(refused({{"name", "../x"}, {"model", "ME3CAN1-Q"}}), HasSubstr("expected a name without /"));
+  EXPECT_THAT(refused({{"name", "a"}, {"model", "X"}}), HasSubstr("model: expected one of ME3CAN1-Q"));
+  EXPECT_THAT(refused({{"name", "a"}, {"model", "ME3CAN1-Q"}, {"bit_rate", "3k"}}),
+              HasSubstr("bit_rate: expected 10k, "));
+  const auto with = [&](const WebStart::Json& device) {
+    return refused(
+        {{"name", "a"}, {"model", "ME3CAN1-Q"}, {"devices", WebStart::Json::array({servo, device})}});
+  };
+  EXPECT_THAT(with("x"), HasSubstr("device 2: expected \"file\" with its name and its text"));
+  EXPECT_THAT(with({{"file", {{"name", "x.exe"}, {"text", "x"}}}}),
+              HasSubstr("device 2: \"file\": expected a name that ends"));
+  WebStart::Json twin = servo;
+  twin["node_id"] = 128U;
+  EXPECT_THAT(with(twin), HasSubstr("device 2: \"node_id\": expected 1 to 127"));
+  twin["node_id"] = 1U;
+  EXPECT_THAT(with(twin), HasSubstr("node-ID 1: two nodes have it, the module is one of them"));
+  WebStart::Json outside = servo;
+  outside["file"]["name"] = "../../x.eds";
+  start.make_plant({{"name", "b"}, {"model", "ME3CAN1-Q"}, {"devices", WebStart::Json::array({outside})}},
+                   say());
+  (void)said();
+  EXPECT_FALSE(fs::exists(top_ / "x.eds") || fs::exists(folder_ / "x.eds"));
+  EXPECT_FALSE(fs::exists(folder_ / "a"));
+}
+
+TEST_F(WebStartTest, NewProjectWithDevices_IsMadeByTheCommands_AndGoesWhenOneFails) {
+  const std::string log = (top_ / "log").string();
+  WebStart& start =
+      this->start("echo \"$@\" >> " + log + "; if [ $2 = new ]; then mkdir \"$5\"; exit 0; fi\n" +
+                  "if [ $2 = add ]; then case \"$*\" in *bad*) echo 'canopus project: oh' >&2; exit 3;; "
+                  "esac; exit 0; fi\n" +
+                  shows_page());
+  start.make_project({{"name", "line"}, {"bit_rate", "500k"}, {"devices", {servo}}}, say());
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("http")));
+  std::ifstream written(log);
+  const std::string lines(std::istreambuf_iterator<char>(written), {});
+  EXPECT_THAT(lines, HasSubstr("project add --json --node-id=1 --bit-rate=500k --name=servo -- " +
+                               (folder_ / "line").string() + " /"));
+  EXPECT_THAT(lines, HasSubstr("/node-1-Servo_1.eds\n"));
+  WebStart::Json bad = servo;
+  bad["name"] = "bad";
+  start.make_project({{"name", "other"}, {"devices", WebStart::Json::array({bad})}}, say());
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("oh")));
+  EXPECT_FALSE(fs::exists(folder_ / "other"));
 }
 
 TEST_F(WebStartTest, NotMoreThanSoMany) {
@@ -295,7 +422,7 @@ TEST_F(WebStartTest, LinksThatLeadOut_AreNotOffered) {
   ASSERT_EQ(::mkfifo((folder_ / "fifo.cpj").c_str(), 0600), 0);
   ASSERT_EQ(::mkfifo((folder_ / "fifo.toml").c_str(), 0600), 0);
   WebStart& start = this->start(shows_page());
-  EXPECT_EQ(start.list()["plants"].dump(), R"(["b.toml","inside.toml"])");
+  EXPECT_THAT(plants_of(start.list()), ElementsAre("b.toml", "inside.toml"));
   EXPECT_THAT(start.list()["projects"], IsEmpty());
   for (const char* path : {"out.toml", "out.cpj", "folder/outside.toml", "fifo.cpj"}) {
     start.open(path, say());
@@ -310,7 +437,7 @@ TEST_F(WebStartTest, WhatChanges_IsReadAgain) {
   EXPECT_THAT(start.list()["plants"], IsEmpty());
   write("b.toml", "[[bus]]\n");
   fs::last_write_time(folder_ / "b.toml", fs::file_time_type::clock::now() + std::chrono::hours(1));
-  EXPECT_EQ(start.list()["plants"].dump(), R"(["b.toml"])");
+  EXPECT_THAT(plants_of(start.list()), ElementsAre("b.toml"));
 }
 
 TEST_F(WebStartTest, NotMoreIsReadThanSoManyBytes) {
@@ -341,13 +468,13 @@ TEST_F(WebStartTest, NewProject_TakesNothingThatIsThere) {
   fs::create_symlink(top_ / "elsewhere", folder_ / "link");
   WebStart& start = this->start("mkdir -p \"$5\"\n" + shows_page());
   for (const char* name : {"b", "link"}) {
-    start.make_project(name, say());
+    start.make_project({{"name", name}}, say());
     EXPECT_THAT(said(), ElementsAre(HasSubstr("error: there is something with the name"))) << name;
   }
   EXPECT_FALSE(fs::exists(top_ / "elsewhere"));
   for (const std::string& name : {std::string(101, 'x'), std::string("a\nb"), std::string("\xFF"),
                                   std::string("a\0b", 3), std::string("..")}) {
-    start.make_project(name, say());
+    start.make_project({{"name", name}}, say());
     EXPECT_THAT(said(), ElementsAre(HasSubstr("error: expected a name"))) << name;
   }
 }

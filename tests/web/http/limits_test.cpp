@@ -149,12 +149,12 @@ TEST(WebSessions, EndWhenNothingIsDone_ButForWhoOnlyLooks) {
   const auto used = sessions.begin(anna(WebRole::configure), "hash", start);
   const auto looks = sessions.begin(anna(WebRole::look), "hash", start);
   EXPECT_NE(sessions.find(used->secret, start + 20min), nullptr);
-  sessions.look(start + 30min);
+  sessions.end_expired(start + 30min);
   EXPECT_FALSE(idle->is_over);
-  sessions.look(start + 31min);
+  sessions.end_expired(start + 31min);
   EXPECT_TRUE(idle->is_over);
   EXPECT_FALSE(used->is_over);
-  sessions.look(start + 51min);
+  sessions.end_expired(start + 51min);
   EXPECT_TRUE(used->is_over);
   EXPECT_FALSE(looks->is_over);
 }
@@ -187,9 +187,9 @@ TEST(WebSessions, EndWithTheirUser_HisRoleAndHisPassword) {
   const auto gone = sessions.begin({.name = "gone"}, "hash", start);
   const auto other_role = sessions.begin({.name = "bob", .role = WebRole::configure}, "hash", start);
   const auto other_password = sessions.begin({.name = "carl"}, "hash", start);
-  sessions.look_at({{.name = "anna", .role = WebRole::operate, .hash = "hash"},
-                    {.name = "bob", .role = WebRole::look, .hash = "hash"},
-                    {.name = "carl", .role = WebRole::look, .hash = "other"}});
+  sessions.update_users({{.name = "anna", .role = WebRole::operate, .hash = "hash"},
+                         {.name = "bob", .role = WebRole::look, .hash = "hash"},
+                         {.name = "carl", .role = WebRole::look, .hash = "other"}});
   EXPECT_FALSE(stays->is_over);
   EXPECT_TRUE(gone->is_over);
   EXPECT_TRUE(other_role->is_over);

@@ -80,6 +80,34 @@ TEST(WebEvents, WhatCameBeforeThereWasAServer_IsNotLost) {
   EXPECT_EQ(events.lost(7), R"({"t":1.25,"event":"lost","lines":7})");
 }
 
+TEST(WebEvents, ACutBusHasTheLoadOfEachHalf) {
+  const std::string device = "[[device]]\neds = \"" CANOPUS_SOURCE_DIR
+                             "/examples/devices/encoder.eds\"\nobjects = { \"1017:00\" = 100 }\n";
+  const plant::PlantReading reading = plant::read_plant(
+      "[[bus]]\nname = \"line1\"\nbit_rate = 250_000\n[[bus.fault]]\nkind = \"cut\"\nports = "
+      "[\"far\"]\nfrom = \"1s\"\nuntil = \"3s\"\n" +
+          device + "node = 2\nname = \"near\"\n" + device + "node = 3\nname = \"far\"\n",
+      "plant.toml");
+  ASSERT_TRUE(reading.errors.empty());
+  Counting observer;
+  auto built = plant::Plant::build(reading.plant, observer);
+  ASSERT_TRUE(built.has_value());
+  plant::Plant& plant = **built;
+  plant.power_on();
+  const auto bus_at = [&](can::Time time) {
+    plant.timeline().run_until(time);
+    return nlohmann::json::parse(state_event(plant))["buses"][0];
+  };
+  EXPECT_FALSE(bus_at(can::Time{500ms}).contains("cut"));
+  const auto cut = bus_at(can::Time{2500ms})["cut"];
+  ASSERT_EQ(cut.size(), 2U);
+  EXPECT_EQ(cut[0]["nodes"], (nlohmann::json{"near"}));
+  EXPECT_EQ(cut[1]["nodes"], (nlohmann::json{"far"}));
+  for (const char* field : {"now", "frames", "error_frames"}) EXPECT_TRUE(cut[1].contains(field)) << field;
+  EXPECT_GT(cut[1]["now"], 0.0) << "nobody acknowledges the far node: it repeats its frame";
+  EXPECT_FALSE(bus_at(can::Time{3500ms}).contains("cut"));
+}
+
 TEST(WebEvents, TheStateOfAPlant) {
   const plant::PlantReading reading = plant::read_plant(R"(
 [plant]
@@ -99,8 +127,8 @@ watch = ["G25"]
 )",
                                                         "plant.toml");
   ASSERT_TRUE(reading.errors.empty());
-  Counting nobody;
-  auto built = plant::Plant::build(reading.plant, nobody);
+  Counting observer;
+  auto built = plant::Plant::build(reading.plant, observer);
   ASSERT_TRUE(built.has_value());
   plant::Plant& plant = **built;
   plant.power_on();
@@ -108,6 +136,9 @@ watch = ["G25"]
   const auto state = nlohmann::json::parse(state_event(plant));
   EXPECT_EQ(state["event"], "state");
   EXPECT_EQ(state["t"], 3.0);
+  EXPECT_EQ(state["modules"][0]["model"], "ME3CAN1-Q");
+  EXPECT_EQ(state["modules"][0]["signals"], true);
+  EXPECT_EQ(state["modules"][0]["words"][0]["name"], "Communication status");
   EXPECT_EQ(state["plant"], "<b>plant</b>");
   EXPECT_EQ(state["live"], false);
   EXPECT_EQ(state["buses"][0]["link"], "sim");
@@ -143,8 +174,8 @@ objects = { "1F81:09" = 0x05 }
 )",
                                                         "plant.toml");
   ASSERT_TRUE(reading.errors.empty());
-  Counting nobody;
-  auto built = plant::Plant::build(reading.plant, nobody);
+  Counting observer;
+  auto built = plant::Plant::build(reading.plant, observer);
   ASSERT_TRUE(built.has_value());
   plant::Plant& plant = **built;
   plant.power_on();
@@ -164,8 +195,8 @@ TEST(WebEvents, ANodeOnTheFarSideOfACut_IsNotInOperation) {
       "[[device]]\nnode = 4\nname = \"drive\"\neds = \"" CANOPUS_SOURCE_DIR "/examples/devices/drive.eds\"\n",
       "plant.toml");
   ASSERT_TRUE(reading.errors.empty());
-  Counting nobody;
-  auto built = plant::Plant::build(reading.plant, nobody);
+  Counting observer;
+  auto built = plant::Plant::build(reading.plant, observer);
   ASSERT_TRUE(built.has_value());
   plant::Plant& plant = **built;
   plant.power_on();
@@ -249,8 +280,8 @@ bit_rate = 250_000
 )",
                                                         "plant.toml");
   ASSERT_TRUE(reading.errors.empty());
-  Counting nobody;
-  auto built = plant::Plant::build(reading.plant, nobody);
+  Counting observer;
+  auto built = plant::Plant::build(reading.plant, observer);
   ASSERT_TRUE(built.has_value());
   plant::Plant& plant = **built;
   WebMessages messages(plant);
@@ -271,10 +302,10 @@ bit_rate = 250_000
     }
   };
   send(3);
-  EXPECT_EQ(messages.look(true), "") << "from now on";
-  EXPECT_EQ(messages.look(true), "");
+  EXPECT_EQ(messages.take_new(true), "") << "from now on";
+  EXPECT_EQ(messages.take_new(true), "");
   send(2);
-  auto event = nlohmann::json::parse(messages.look(true));
+  auto event = nlohmann::json::parse(messages.take_new(true));
   EXPECT_EQ(event["event"], "messages");
   EXPECT_EQ(event["left_out"], 0);
   ASSERT_THAT(event["messages"], SizeIs(2));
@@ -282,12 +313,12 @@ bit_rate = 250_000
   EXPECT_EQ(event["messages"][0]["service"], "error-control");
   EXPECT_EQ(event["messages"][0]["node"], 3);
   send(WebMessages::most_frames + 7);
-  event = nlohmann::json::parse(messages.look(true));
+  event = nlohmann::json::parse(messages.take_new(true));
   EXPECT_EQ(event["left_out"], 7);
   EXPECT_THAT(event["messages"], SizeIs(WebMessages::most_frames));
-  EXPECT_EQ(messages.look(false), "");
+  EXPECT_EQ(messages.take_new(false), "");
   send(2);
-  EXPECT_EQ(messages.look(true), "") << "nothing of the time between";
+  EXPECT_EQ(messages.take_new(true), "") << "nothing of the time between";
 }
 
 }  // namespace

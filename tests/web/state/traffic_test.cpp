@@ -47,13 +47,13 @@ class WebTrafficTest : public support::PlantFolder {
     plant_->timeline().run_until(can::Time{5s});
   }
   json look(const std::string& view) {
-    const std::string text = views_->look(view);
+    const std::string text = views_->event_of(view);
     return text.empty() ? json() : json::parse(text);
   }
 
-  class Nobody final : public plant::PlantObserver {
-  } nobody_;
-  WebEvents events_{nobody_};
+  class NoObserver final : public plant::PlantObserver {
+  } no_observer_;
+  WebEvents events_{no_observer_};
   std::unique_ptr<plant::Plant> plant_;
   std::optional<WebViews> views_;
 };
@@ -280,7 +280,7 @@ TEST_F(WebTrafficTest, WhoLostTheArbitration_AndAtWhichBit) {
   EXPECT_EQ(second, (json::array({{{"name", "high"}, {"can_id", "002"}, {"bit", 12}}})));
   EXPECT_THAT(look(R"({"traffic":0,"can_id":2})")["frame"]["lost"], IsEmpty());
   // As long as nobody looks nothing is kept.
-  (void)views_->look("");
+  (void)views_->event_of("");
   send();
   EXPECT_FALSE(look(R"({"traffic":0,"can_id":1})")["frame"].contains("lost"));
 }

@@ -42,7 +42,7 @@ class WebViewsTest : public support::PlantFolder {
   }
   void run(can::Duration time) { plant_->timeline().run_until(plant_->timeline().now() + time); }
   Json look(const std::string& view) {
-    const std::string text = views_->look(view);
+    const std::string text = views_->event_of(view);
     return text.empty() ? Json() : Json::parse(text);
   }
   static Json row_of(const Json& event, unsigned address) {
@@ -52,9 +52,9 @@ class WebViewsTest : public support::PlantFolder {
     return {};
   }
 
-  class Nobody final : public plant::PlantObserver {
-  } nobody_;
-  WebEvents events_{nobody_};
+  class NoObserver final : public plant::PlantObserver {
+  } no_observer_;
+  WebEvents events_{no_observer_};
   std::unique_ptr<plant::Plant> plant_;
   std::optional<WebViews> views_;
 };
@@ -156,7 +156,7 @@ TEST_F(WebViewsTest, WhatNobodyLooksAt_IsNotWatched) {
   start(plant_text);
   const Json before = row_of(look(R"({"words":0,"find":"g10000","count":10})"), 10000);
   EXPECT_FALSE(before.contains("age")) << "looked at from now on";
-  EXPECT_EQ(views_->look(""), "");
+  EXPECT_EQ(views_->event_of(""), "");
   run(1s);
   const Json after = row_of(look(R"({"words":0,"find":"g10000","count":10})"), 10000);
   EXPECT_FALSE(after.contains("age"));
@@ -166,7 +166,7 @@ TEST_F(WebViewsTest, WhatIsNoView_IsNothing) {
   start(plant_text, 100ms);
   for (const char* text :
        {"{}", "[]", "1", "{", R"({"words":1})", R"({"words":-1,"count":5})", R"({"other":true})"}) {
-    const std::string said = views_->look(text);
+    const std::string said = views_->event_of(text);
     if (std::string_view(text).find("-1") != std::string_view::npos) {
       EXPECT_EQ(Json::parse(said)["number"], 0) << "no number: the first";
     } else {
@@ -179,7 +179,7 @@ TEST_F(WebViewsTest, WhatIsNestedDeeply_IsNoView) {
   start(plant_text, 100ms);
   for (const std::size_t depth : {64U, 200'000U}) {
     const std::string nested = std::string(depth, '[') + std::string(depth, ']');
-    EXPECT_EQ(views_->look(R"({"words":0,"x":)" + nested + "}"), "") << depth;
+    EXPECT_EQ(views_->event_of(R"({"words":0,"x":)" + nested + "}"), "") << depth;
   }
 }
 
@@ -276,6 +276,52 @@ TEST_F(WebViewsTest, Values_AreNumbersOfWordsAndObjects) {
   EXPECT_EQ(values[8]["key"], "");
   EXPECT_TRUE(look(R"({"values":7})").is_null());
   EXPECT_TRUE(look(R"({"values":["","","","","","","","","","","","",""]})").is_null()) << "13";
+}
+
+TEST_F(WebViewsTest, Words_AreFoundByPdo_CanId_AndSender) {
+  start(plant_text);
+  for (const char* find : {"RPDO1", "183", "encoder"}) {
+    const Json event = look(Json{{"words", 0}, {"find", find}, {"count", 256}}.dump());
+    const Json row = row_of(event, 10000);
+    EXPECT_EQ(row["pdo"], "RPDO1") << find << event;
+  }
+  const Json of_encoder = look(R"({"words":0,"find":"encoder","count":256})");
+  for (const Json& row : of_encoder["rows"]) EXPECT_EQ(row["from"], "node 3 (encoder) TPDO1");
+  EXPECT_EQ(look(R"({"words":0,"find":"no such sender","count":256})")["of"], 0);
+}
+
+TEST_F(WebViewsTest, Program_ShowsStateLinesAndValues) {
+  write("main.st", "PROGRAM Main\nVAR n : INT; t : TON; END_VAR\nn := n + 1; // count\nEND_PROGRAM\n");
+  start(
+      "[[bus]]\nname = \"line1\"\nbit_rate = 250000\n[[plc]]\nname = \"plc1\"\nprogram = [\"main.st\"]\nscan "
+      "= \"10ms\"\n",
+      25ms);
+  const Json event = look(R"({"program":"plc1","file":0,"from":3,"count":1})");
+  EXPECT_EQ(event["event"], "program");
+  EXPECT_EQ(event["state"], "run");
+  EXPECT_EQ(event["scan"]["count"], 2);
+  EXPECT_EQ(event["files"], Json({"main.st"}));
+  EXPECT_EQ(event["of"], 5);
+  ASSERT_EQ(event["lines"].size(), 1U);
+  EXPECT_EQ(event["lines"][0]["text"], "n := n + 1; // count");
+  EXPECT_EQ(event["lines"][0]["code"], true);
+  EXPECT_EQ(event["lines"][0]["values"][1], Json({{"column", 6},
+                                                  {"length", 1},
+                                                  {"name", "Main.n"},
+                                                  {"type", "INT"},
+                                                  {"value", "3"},
+                                                  {"forced", false},
+                                                  {"writable", true}}));
+  const Json variables = look(R"({"variables":"plc1","find":"time","from":1,"count":5})");
+  EXPECT_EQ(variables["of"], 2);
+  ASSERT_EQ(variables["rows"].size(), 1U);
+  EXPECT_EQ(variables["rows"][0]["name"], "Main.t.ET");
+  EXPECT_EQ(variables["rows"][0]["value"], "T#0s");
+  EXPECT_TRUE(look(R"({"program":"other"})").is_null());
+  EXPECT_TRUE(look(R"({"variables":7})").is_null());
+  EXPECT_TRUE(look(R"({"program":"plc1","file":9,"from":0,"count":9999999})")["lines"].empty());
+  const Json state = Json::parse(state_event(*plant_, nullptr, nullptr, 1));
+  EXPECT_EQ(state["programs"], Json::array({{{"plc", "plc1"}, {"state", "run"}}}));
 }
 
 }  // namespace

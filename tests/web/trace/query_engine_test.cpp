@@ -21,21 +21,21 @@ struct Wish {
   Json object = Json::object();
 };
 
-class TraceDeskTest : public testing::Test {
+class TraceQueryEngineTest : public testing::Test {
  protected:
   void start(std::size_t most = 1'000'000, std::size_t most_bytes = 64U << 20) {
-    desk_.emplace(TraceQueryEngine::Use{.names = {},
-                                        .buses = {"line1", "line2"},
-                                        .bit_rates = {500'000, 125'000},
-                                        .most = most,
-                                        .most_bytes = most_bytes,
-                                        .has_time = [this] { return turns_-- > 0; }});
+    engine_.emplace(TraceQueryEngine::Use{.names = {},
+                                          .buses = {"line1", "line2"},
+                                          .bit_rates = {500'000, 125'000},
+                                          .most = most,
+                                          .most_bytes = most_bytes,
+                                          .has_time = [this] { return turns_-- > 0; }});
   }
   void frame(can::Duration at, std::uint32_t identifier, std::initializer_list<std::uint8_t> bytes,
              std::uint16_t bus = 0) {
     const trace::TraceRecord record{
         .time = can::Time{} + at, .channel = bus, .frame = can::data_frame(identifier, bytes)};
-    desk_->add({&record, 1});
+    engine_->add({&record, 1});
   }
   /// An upload of 1000:00 of this node.
   void upload(can::Duration at, std::uint8_t node) {
@@ -47,12 +47,12 @@ class TraceDeskTest : public testing::Test {
   }
   Json look(const Wish& wish) {
     turns_ = 1'000'000;
-    auto answer = desk_->look(wish.object);
+    auto answer = engine_->answer(wish.object);
     EXPECT_TRUE(answer) << answer.error();
     return answer ? *answer : Json();
   }
   std::string refused(const Wish& wish) {
-    const auto answer = desk_->look(wish.object);
+    const auto answer = engine_->answer(wish.object);
     EXPECT_FALSE(answer);
     return answer ? "" : answer.error();
   }
@@ -70,10 +70,10 @@ class TraceDeskTest : public testing::Test {
   }
 
   int turns_ = 0;
-  std::optional<TraceQueryEngine> desk_;
+  std::optional<TraceQueryEngine> engine_;
 };
 
-TEST_F(TraceDeskTest, Line_SaysWhatTheFrameMeans) {
+TEST_F(TraceQueryEngineTest, Line_SaysWhatTheFrameMeans) {
   start();
   frame(1502860us, 0x703, {0x05}, 1);
   const Json answer = look({{"filter", ""}});
@@ -95,7 +95,7 @@ TEST_F(TraceDeskTest, Line_SaysWhatTheFrameMeans) {
   EXPECT_FALSE(row.contains("trouble"));
 }
 
-TEST_F(TraceDeskTest, Transfer_IsALineAtItsEnd_UnlessItsFramesAreWanted) {
+TEST_F(TraceQueryEngineTest, Transfer_IsALineAtItsEnd_UnlessItsFramesAreWanted) {
   start();
   upload(1s, 4);
   Json answer = look({{"filter", ""}});
@@ -111,7 +111,7 @@ TEST_F(TraceDeskTest, Transfer_IsALineAtItsEnd_UnlessItsFramesAreWanted) {
   EXPECT_EQ(answer["rows"][1]["data"], "4300100092010200");
 }
 
-TEST_F(TraceDeskTest, FramesOfATransfer_AreItsOwn) {
+TEST_F(TraceQueryEngineTest, FramesOfATransfer_AreItsOwn) {
   start();
   upload(1s, 4);
   frame(1100ms, 0x604, {0x40, 0x18, 0x10, 0x01, 0, 0, 0, 0});
@@ -132,7 +132,7 @@ TEST_F(TraceDeskTest, FramesOfATransfer_AreItsOwn) {
   EXPECT_EQ(look({{"filter", "errors"}, {"fold", false}})["rows"].size(), 1U) << "the frame that says so";
 }
 
-TEST_F(TraceDeskTest, NewestLines_OrThoseFromANumberOn) {
+TEST_F(TraceQueryEngineTest, NewestLines_OrThoseFromANumberOn) {
   start();
   heartbeats(100);
   EXPECT_THAT(numbers({{"filter", ""}, {"count", 3}}), ElementsAre(97, 98, 99));
@@ -146,7 +146,7 @@ TEST_F(TraceDeskTest, NewestLines_OrThoseFromANumberOn) {
   EXPECT_TRUE(numbers({{"filter", "node=9"}}).empty());
 }
 
-TEST_F(TraceDeskTest, OldestFrames_AreForgotten_AndNumbersStay) {
+TEST_F(TraceQueryEngineTest, OldestFrames_AreForgotten_AndNumbersStay) {
   start(5'000);
   heartbeats(20'000);
   const Json answer = look({{"filter", ""}, {"count", 2}});
@@ -164,25 +164,25 @@ TEST_F(TraceDeskTest, OldestFrames_AreForgotten_AndNumbersStay) {
   EXPECT_GT(later["first"].get<unsigned>(), 0U);
 }
 
-TEST_F(TraceDeskTest, LongWork_IsDoneInTurns) {
+TEST_F(TraceQueryEngineTest, LongWork_IsDoneInTurns) {
   start();
   heartbeats(10'000);
   turns_ = 0;
-  auto answer = desk_->look(Wish{{"filter", "heartbeat"}}.object);
+  auto answer = engine_->answer(Wish{{"filter", "heartbeat"}}.object);
   ASSERT_TRUE(answer);
   EXPECT_DOUBLE_EQ((*answer)["progress"].get<double>(), 0.2);
   EXPECT_EQ((*answer)["end"], TraceQueryEngine::slice);
   turns_ = 1;
-  answer = desk_->look(Wish{{"filter", "heartbeat"}}.object);
+  answer = engine_->answer(Wish{{"filter", "heartbeat"}}.object);
   EXPECT_DOUBLE_EQ((*answer)["progress"].get<double>(), 0.6);
   EXPECT_FALSE(look({{"filter", "heartbeat"}}).contains("progress"));
   turns_ = 0;
-  answer = desk_->look(Wish{{"statistics", true}}.object);
+  answer = engine_->answer(Wish{{"statistics", true}}.object);
   EXPECT_LT((*answer)["progress"].get<double>(), 0.5);
   EXPECT_EQ(look({{"statistics", true}})["channels"][0]["frames"], 10'000);
 }
 
-TEST_F(TraceDeskTest, Filters_AreToHoldAll) {
+TEST_F(TraceQueryEngineTest, Filters_AreToHoldAll) {
   start();
   heartbeats(2);
   upload(1s, 4);
@@ -203,7 +203,7 @@ TEST_F(TraceDeskTest, Filters_AreToHoldAll) {
   EXPECT_EQ(texts({{"filter", "  "}}).size(), 5U);
 }
 
-TEST_F(TraceDeskTest, MistakesOfAFilter_AreSaid) {
+TEST_F(TraceQueryEngineTest, MistakesOfAFilter_AreSaid) {
   start();
   EXPECT_EQ(refused({{"filter", "service=sdp"}}), "service=sdp: unknown service; did you mean \"sdo\"?");
   EXPECT_THAT(refused({{"filter", "node=128"}}), HasSubstr("node=128: expected a node-ID 1 to 127"));
@@ -217,7 +217,7 @@ TEST_F(TraceDeskTest, MistakesOfAFilter_AreSaid) {
   EXPECT_THAT(refused({{"filter", std::string(1001, 'x')}}), HasSubstr("at most 1000"));
 }
 
-TEST_F(TraceDeskTest, OldQueries_EndWithMoreOfThem_AndCanBeginAgain) {
+TEST_F(TraceQueryEngineTest, OldQueries_EndWithMoreOfThem_AndCanBeginAgain) {
   start();
   heartbeats(10);
   for (const char* filter : {"", "node=3", "node=4", "id=703", "service=nmt", "heartbeat"})
@@ -225,42 +225,42 @@ TEST_F(TraceDeskTest, OldQueries_EndWithMoreOfThem_AndCanBeginAgain) {
   EXPECT_EQ(numbers({{"filter", ""}}).size(), 10U);
 }
 
-TEST_F(TraceDeskTest, LinesOfAllFilters_HaveABound_AndTheNewestAreThere) {
+TEST_F(TraceQueryEngineTest, LinesOfAllFilters_HaveABound_AndTheNewestAreThere) {
   constexpr std::size_t most_bytes = 1U << 20;
   start(1'000'000, most_bytes);
   heartbeats(100'000);
   for (const char* filter : {"", "node=3", "id=703", "heartbeat"}) {
     const Json answer = look({{"filter", filter}, {"count", 1}});
     EXPECT_FALSE(answer.contains("progress"));
-    EXPECT_LE(desk_->bytes(), most_bytes) << filter;
-    EXPECT_GT(desk_->bytes(), most_bytes / 2) << filter;
+    EXPECT_LE(engine_->bytes(), most_bytes) << filter;
+    EXPECT_GT(engine_->bytes(), most_bytes / 2) << filter;
     EXPECT_EQ(answer["end"], 100'000);
     EXPECT_GT(answer["first"].get<unsigned>(), 0U) << "the oldest lines have gone";
     EXPECT_EQ(answer["rows"][0]["record"], 99'999);
   }
 }
 
-TEST_F(TraceDeskTest, AMillionFrames_AreShownWhole) {
+TEST_F(TraceQueryEngineTest, AMillionFrames_AreShownWhole) {
   start();
   heartbeats(1'000'000);
   EXPECT_EQ(look({{"filter", ""}, {"count", 1}})["first"], 0);
 }
 
-TEST_F(TraceDeskTest, AFilterThatIsNotLookedAt_IsNotKept) {
+TEST_F(TraceQueryEngineTest, AFilterThatIsNotLookedAt_IsNotKept) {
   start(5'000);
   heartbeats(5'000);
   (void)look({{"filter", "heartbeat"}});
-  const std::size_t of_one = desk_->bytes();
+  const std::size_t of_one = engine_->bytes();
   EXPECT_GT(of_one, 5'000U * 32);
   for (std::size_t i = 0; i <= TraceQueryEngine::most_unasked; ++i) (void)look({{"filter", "node=9"}});
-  EXPECT_EQ(desk_->bytes(), 0U) << "others are looked at";
+  EXPECT_EQ(engine_->bytes(), 0U) << "others are looked at";
   (void)look({{"filter", "heartbeat"}});
-  EXPECT_EQ(desk_->bytes(), of_one);
+  EXPECT_EQ(engine_->bytes(), of_one);
   heartbeats(20'000);
-  EXPECT_EQ(desk_->bytes(), 0U) << "all its frames have gone";
+  EXPECT_EQ(engine_->bytes(), 0U) << "all its frames have gone";
 }
 
-TEST_F(TraceDeskTest, WhatDistinctObjectsAreCalled_GoesWithTheirLines) {
+TEST_F(TraceQueryEngineTest, WhatDistinctObjectsAreCalled_GoesWithTheirLines) {
   start(5'000);
   std::size_t after_some = 0;
   for (unsigned i = 0; i < 100'000; ++i) {
@@ -270,12 +270,12 @@ TEST_F(TraceDeskTest, WhatDistinctObjectsAreCalled_GoesWithTheirLines) {
     frame(i * 2ms + 1ms, 0x584, {0x43, low, high, 0x00, 0, 0, 0, 0});
     if (i % 2'000 != 1'999) continue;
     (void)look({{"filter", ""}});
-    if (i < 20'000) after_some = std::max(after_some, desk_->bytes());
+    if (i < 20'000) after_some = std::max(after_some, engine_->bytes());
   }
-  EXPECT_LE(desk_->bytes(), after_some);
+  EXPECT_LE(engine_->bytes(), after_some);
 }
 
-TEST_F(TraceDeskTest, Statistics_AreThoseOfTheAnalyser) {
+TEST_F(TraceQueryEngineTest, Statistics_AreThoseOfTheAnalyser) {
   start(5'000);
   for (unsigned i = 0; i < 10; ++i) upload(i * 1s, 4);
   heartbeats(3);
@@ -306,11 +306,11 @@ std::string from_base64(const std::string& text) {
   return bytes;
 }
 
-TEST_F(TraceDeskTest, Export_HasTheFramesOfTheFilter_InParts) {
+TEST_F(TraceQueryEngineTest, Export_HasTheFramesOfTheFilter_InParts) {
   start();
   heartbeats(2);
   upload(1s, 4);
-  auto row = desk_->export_part(Wish{{"filter", "service=sdo"}, {"format", "candump"}, {"part", 0}}.object);
+  auto row = engine_->export_part(Wish{{"filter", "service=sdo"}, {"format", "candump"}, {"part", 0}}.object);
   ASSERT_TRUE(row) << row.error();
   EXPECT_EQ((*row)["frames"], 2);
   EXPECT_EQ((*row)["done"], true);
@@ -322,7 +322,7 @@ TEST_F(TraceDeskTest, Export_HasTheFramesOfTheFilter_InParts) {
   std::string all;
   unsigned parts = 0;
   for (bool done = false; !done; ++parts) {
-    row = desk_->export_part(Wish{{"filter", ""}, {"format", "candump"}, {"part", parts}}.object);
+    row = engine_->export_part(Wish{{"filter", ""}, {"format", "candump"}, {"part", parts}}.object);
     ASSERT_TRUE(row) << row.error();
     all += from_base64((*row)["data"].get<std::string>());
     done = (*row)["done"].get<bool>();
@@ -331,33 +331,33 @@ TEST_F(TraceDeskTest, Export_HasTheFramesOfTheFilter_InParts) {
   EXPECT_EQ(std::ranges::count(all, '\n'), 40'004);
 }
 
-TEST_F(TraceDeskTest, ExportThatCannotBe_IsRefused) {
+TEST_F(TraceQueryEngineTest, ExportThatCannotBe_IsRefused) {
   start();
   heartbeats(40'000);
-  const auto error = [&](const Wish& wish) { return desk_->export_part(wish.object).error(); };
+  const auto error = [&](const Wish& wish) { return engine_->export_part(wish.object).error(); };
   EXPECT_THAT(error({{"part", 0}}), HasSubstr("\"format\" is to be"));
   EXPECT_THAT(error({{"part", 0}, {"format", "blf"}}), HasSubstr("\"format\" is to be"));
   EXPECT_THAT(error({{"part", 0}, {"format", "csv"}, {"filter", "x=1"}}), HasSubstr("x=1"));
   EXPECT_THAT(error({{"format", "csv"}}), HasSubstr("\"part\""));
   EXPECT_THAT(error({{"part", 1}, {"format", "csv"}}), HasSubstr("another export"));
-  ASSERT_TRUE(desk_->export_part(Wish{{"part", 0}, {"format", "csv"}}.object));
-  ASSERT_TRUE(desk_->export_part(Wish{{"part", 1}, {"format", "csv"}}.object));
+  ASSERT_TRUE(engine_->export_part(Wish{{"part", 0}, {"format", "csv"}}.object));
+  ASSERT_TRUE(engine_->export_part(Wish{{"part", 1}, {"format", "csv"}}.object));
   EXPECT_THAT(error({{"part", 1}, {"format", "csv"}}), HasSubstr("another export"));
 }
 
-TEST_F(TraceDeskTest, ErrorFrames_AreLines_AndNoSdo) {
+TEST_F(TraceQueryEngineTest, ErrorFrames_AreLines_AndNoSdo) {
   start();
   const trace::TraceRecord record{.time = can::Time{} + 1s,
                                   .error_frame = true,
                                   .frame = can::data_frame(0x004, {0, 0x10, 0, 0, 0, 0, 0, 0})};
-  desk_->add({&record, 1});
+  engine_->add({&record, 1});
   const Json answer = look({{"filter", "errors"}});
   ASSERT_EQ(answer["rows"].size(), 1U);
   EXPECT_EQ(answer["rows"][0]["service"], "error-frame");
   EXPECT_EQ(answer["rows"][0]["trouble"], true);
 }
 
-RC_GTEST_FIXTURE_PROP(TraceDeskTest, AnyWishAndAnyFrames_AreSurvived, ()) {
+RC_GTEST_FIXTURE_PROP(TraceQueryEngineTest, AnyWishAndAnyFrames_AreSurvived, ()) {
   start(5'000);
   turns_ = 1'000'000;
   for (const auto& [identifier, data] :
@@ -367,15 +367,44 @@ RC_GTEST_FIXTURE_PROP(TraceDeskTest, AnyWishAndAnyFrames_AreSurvived, ()) {
         .frame = {.identifier = identifier, .dlc = static_cast<std::uint8_t>(data & 15)}};
     for (std::size_t i = 0; i < record.frame.length(); ++i)
       record.frame.data[i] = static_cast<std::uint8_t>(data >> (8 * i));
-    desk_->add({&record, 1});
+    engine_->add({&record, 1});
   }
   const auto filter = *rc::gen::string<std::string>();
   Json wish{{"filter", filter}, {"fold", *rc::gen::arbitrary<bool>()}, {"from", *rc::gen::inRange(0, 100)}};
-  (void)desk_->look(wish);
-  (void)desk_->look(Wish{{"filter", ""}, {"from", *rc::gen::inRange(0, 100)}, {"fold", false}}.object);
-  (void)desk_->look(Wish{{"frames", *rc::gen::inRange(0, 100)}}.object);
-  (void)desk_->look(Wish{{"statistics", 1}}.object);
-  (void)desk_->export_part(Wish{{"filter", filter}, {"part", 0}, {"format", "pcapng"}}.object);
+  (void)engine_->answer(wish);
+  (void)engine_->answer(Wish{{"filter", ""}, {"from", *rc::gen::inRange(0, 100)}, {"fold", false}}.object);
+  (void)engine_->answer(Wish{{"frames", *rc::gen::inRange(0, 100)}}.object);
+  (void)engine_->answer(Wish{{"statistics", 1}}.object);
+  (void)engine_->export_part(Wish{{"filter", filter}, {"part", 0}, {"format", "pcapng"}}.object);
+}
+
+TEST_F(TraceQueryEngineTest, At_IsTheFirstLineAtOrAfterAMoment) {
+  start();
+  heartbeats(10'000);  // one every 10 ms
+  const auto at = [&](double seconds) { return look({{"at", seconds}, {"count", 30}}); };
+  EXPECT_EQ(at(50)["at"], 5000);
+  EXPECT_EQ(at(50)["from"], 4990) << "a third of what is shown was before it";
+  EXPECT_EQ(at(50.001)["at"], 5001);
+  EXPECT_EQ(at(0)["at"], 0);
+  EXPECT_EQ(at(-5)["at"], 0);
+  EXPECT_EQ(at(1e300)["at"], 10'000) << "there is none";
+  EXPECT_EQ(at(1e300)["from"], 9970);
+  const Json filtered = look({{"filter", "node=4"}, {"at", 1}});
+  EXPECT_EQ(filtered["at"], 0);
+  EXPECT_EQ(filtered["rows"].size(), 0U);
+}
+
+TEST_F(TraceQueryEngineTest, AbortCodes_AreAFilter) {
+  start();
+  upload(1s, 4);
+  frame(2s, 0x604, {0x40, 0xFF, 0x2F, 0x01, 0, 0, 0, 0});
+  frame(2001ms, 0x584, {0x80, 0xFF, 0x2F, 0x01, 0x00, 0x00, 0x02, 0x06});
+  EXPECT_EQ(look({{"filter", "abort=06020000"}})["end"], 1);
+  EXPECT_EQ(look({{"filter", "abort=0x6020000,05040000"}})["end"], 1);
+  EXPECT_EQ(look({{"filter", "abort=05040000"}})["end"], 0);
+  EXPECT_EQ(look({{"filter", "!abort=06020000"}})["end"], 1) << "what was not aborted";
+  EXPECT_EQ(refused({{"filter", "abort=x"}}),
+            "abort=x: expected an abort code in hexadecimal digits, 0 to FFFFFFFF");
 }
 
 }  // namespace
