@@ -47,6 +47,34 @@ TEST_F(BusScanTest, Node_IsFoundWithIdentityAndName) {
   EXPECT_EQ(nodes[0].heartbeat_ms, 200U);
 }
 
+/// Node 5 answers every upload without the size of the value.
+class NodeWithoutSizes final : public can::Participant {
+ public:
+  explicit NodeWithoutSizes(support::DeviceBus& bus) : port_(bus.bus.add_port("node without sizes")) {
+    bus.timeline.add(*this);
+    port_.connect(*this);
+    port_.plug(true);
+  }
+  void receive(const can::Frame& frame, can::Time) override {
+    if (frame.identifier != 0x605 || frame.data[0] != 0x40) return;
+    (void)port_.send(
+        can::data_frame(0x585, {0x42, frame.data[1], frame.data[2], frame.data[3], 0xC8, 0x00, 0xAA, 0xBB}));
+  }
+  void tick(can::Time) override {}
+
+ private:
+  sim::Port& port_;
+};
+
+TEST_F(BusScanTest, NodeThatIndicatesNoSize_IsReadByTheTypesOfItsObjects) {
+  NodeWithoutSizes node(bus);
+  const auto nodes = scan(5, 5);
+  ASSERT_EQ(nodes.size(), 1U);
+  EXPECT_EQ(nodes[0].heartbeat_ms, 200U) << "UNSIGNED16";
+  EXPECT_EQ(nodes[0].guard_ms, 200U);
+  EXPECT_EQ(nodes[0].vendor, 0xBBAA00C8U) << "UNSIGNED32";
+}
+
 TEST_F(BusScanTest, HeartbeatProducer_IsNotAskedByARemoteFrame) {
   bus.device(5, 2000).node().command(NmtCommand::start, {});
   bus.run_for(10ms);  // its boot-up message is over
@@ -84,6 +112,30 @@ TEST_F(BusScanTest, EmptyBus_TakesEightTimeOuts) {
   EXPECT_LE(took, 820ms);
 }
 
+/// The SDO requests on the bus.
+class Requests final : public can::Participant {
+ public:
+  explicit Requests(support::DeviceBus& bus) : port_(bus.bus.add_port("recorder")) {
+    bus.timeline.add(*this);
+    port_.connect(*this);
+    port_.plug(true);
+  }
+  void receive(const can::Frame& frame, can::Time) override {
+    if ((frame.identifier & 0x780U) == 0x600) commands.push_back(frame.data[0]);
+  }
+  void tick(can::Time) override {}
+  std::vector<std::uint8_t> commands;
+
+ private:
+  sim::Port& port_;
+};
+
+TEST_F(BusScanTest, NodesThatAreNotThere_GetOneFrameAndNoAbort) {
+  Requests requests(bus);
+  (void)scan(1, 126);
+  EXPECT_EQ(requests.commands, std::vector<std::uint8_t>(126, 0x40));
+}
+
 std::string shown(const std::vector<client::FoundNode>& nodes, bool colour) {
   TextOutput out;
   for (const Line& line : scan_table(nodes, colour)) out.line(line);
@@ -99,6 +151,19 @@ TEST(ScanTable, ShowsOneLinePerNode) {
             "node  state            type      vendor    product   revision  serial    name\n"
             "   5  operational      00000191  -         -         -         -         valve\n"
             "  17  stopped          -         -         -         -         -         (no SDO answer)\n");
+}
+
+TEST(ScanTable, WithNames_HasThemBeforeThoseOfTheDevices) {
+  client::FoundNode node{.node_id = 5, .answers_sdo = true, .state = NmtState::operational};
+  node.name = "valve";
+  const client::FoundNode other{.node_id = 17, .answers_sdo = true};
+  TextOutput out;
+  for (const Line& line : scan_table({node, other}, false, {{5, "inlet valve"}})) out.line(line);
+  EXPECT_EQ(
+      out.text(),
+      "node  state            type      vendor    product   revision  serial    name         device name\n"
+      "   5  operational      -         -         -         -         -         inlet valve  valve\n"
+      "  17  unknown          -         -         -         -         -         -            -\n");
 }
 
 TEST(ScanTable, ColoursOnlyTheState) {

@@ -122,6 +122,85 @@ TEST(ArgumentNames, WithASpace_AreShownAsTheyAre) {
   EXPECT_NE(parsing.result, ran);
 }
 
+/// `prog move FILE --from TIME --in-format FORMAT --bus ADDRESS`, which had other options once.
+struct OldSpellings {
+  OldSpellings() {
+    move->add_option("FILE", file, "File")->required();
+    move->add_option("--from", from, "Time");
+    move->add_option("--in-format", format, "Format");
+    move->add_option("--bus", bus, "Bus");
+    move->add_old_spelling({.old = "--dcf", .now = ""});
+    move->add_old_spelling({.old = "--start", .now = "--from"});
+    move->add_old_spelling({.old = "--from", .now = "--in-format", .value = [](std::string_view value) {
+                              return value == "csv" ? std::optional<std::string>(value) : std::nullopt;
+                            }});
+    move->add_old_spelling({.old = "", .now = "--bus", .value = [](std::string_view word) {
+                              return word.contains(':') ? std::optional<std::string>(word) : std::nullopt;
+                            }});
+    move->callback([this] { hints_at_call = hints.size(); });
+  }
+  Parsing parse(const Words& words) {
+    return parse_words(app, words, [this](std::string_view hint) { hints.emplace_back(hint); });
+  }
+
+  Command app{"Does things", "prog"};
+  Command* move = app.add_subcommand("move", "Move");
+  std::string file, from, format, bus;
+  Words hints;
+  std::size_t hints_at_call = 0;
+};
+
+TEST(OldSpelling, OfAnOption_IsTheNewOne_WithAHintBeforeTheCommandRuns) {
+  OldSpellings program;
+  EXPECT_EQ(program.parse({"move", "a", "--start", "2s"}).result, ran);
+  EXPECT_EQ(program.from, "2s");
+  EXPECT_THAT(program.hints,
+              ElementsAre("prog move: --start is an old spelling, which the next release does not know; "
+                          "expected \"--from=2s\""));
+  EXPECT_EQ(program.hints_at_call, 1U);
+  EXPECT_EQ(program.parse({"move", "a", "--start=3s"}).result, ran);
+  EXPECT_EQ(program.from, "3s");
+}
+
+TEST(OldSpelling, OfAnOptionThatIsAnArgumentNow_FillsIt) {
+  OldSpellings program;
+  EXPECT_EQ(program.parse({"move", "--dcf", "network.toml"}).result, ran);
+  EXPECT_EQ(program.file, "network.toml");
+  EXPECT_THAT(program.hints, ElementsAre(HasSubstr("--dcf is an old spelling")));
+}
+
+TEST(OldSpelling, OfAnArgumentThatIsAnOptionNow_LeavesValuesOfOptionsAlone) {
+  OldSpellings program;
+  EXPECT_EQ(program.parse({"move", "a", "can:0"}).result, ran);
+  EXPECT_EQ(program.bus, "can:0");
+  program.hints.clear();
+  EXPECT_EQ(program.parse({"move", "a", "--from", "12:30", "--bus", "can:1"}).result, ran);
+  EXPECT_EQ(program.bus, "can:1");
+  EXPECT_EQ(program.from, "12:30");
+  EXPECT_THAT(program.hints, IsEmpty());
+}
+
+TEST(OldSpelling, WhoseNameMeansSomethingElseToday_DependsOnTheValue) {
+  OldSpellings program;
+  EXPECT_EQ(program.parse({"move", "a", "--from", "csv", "--from", "1s"}).result, ran);
+  EXPECT_EQ(program.format, "csv");
+  EXPECT_EQ(program.from, "1s");
+  EXPECT_EQ(program.hints.size(), 1U);
+}
+
+TEST(OldSpelling, BehindTwoDashes_IsAnArgument) {
+  OldSpellings program;
+  EXPECT_EQ(program.parse({"move", "--", "--start"}).result, ran);
+  EXPECT_EQ(program.file, "--start");
+  EXPECT_THAT(program.hints, IsEmpty());
+}
+
+TEST(OldSpelling, IsInNoHelpAndNoCompletion) {
+  OldSpellings program;
+  EXPECT_THAT(program.parse({"move", "--help"}).text, Not(HasSubstr("--start")));
+  EXPECT_THAT(completion_script(program.app, Shell::bash), Not(HasSubstr("--start")));
+}
+
 /// A command with an option of each kind.
 struct Kinds {
   Kinds() {

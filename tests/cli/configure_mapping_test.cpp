@@ -25,7 +25,7 @@ std::string written(const std::vector<std::string>& words, int expected_code) {
 TEST(ConfigureMapping, AMappedObject_IsThreeNumbersWithoutSigns) {
   const std::string file = (fs::path(testing::TempDir()) / "configure-mapping.xml").string();
   fs::remove(file);
-  written({"configure", "new", file, "--model", "FX3U-CAN"}, 0);
+  written({"configure", "new", file, "--module", "FX3U-CAN"}, 0);
   written({"configure", "set", file, "tpdo/1", "map=a100:1:8,A100:02:16 A100:03:16"}, 0);
   const std::string shown = written({"configure", "show", file, "tpdo"}, 0);
   EXPECT_THAT(shown, HasSubstr("A100:01:8 "));

@@ -55,6 +55,38 @@ TEST_F(EdsCheck, AcceptedFile_GetsItsProblemsAndOneSummaryLine) {
                               "00020192H\n"));
 }
 
+const std::string lossy = small + "[2000]\nParameterName=X\nDataType=0x99\nAccessType=rw\nDefaultValue=\n";
+
+TEST_F(EdsCheck, Losses_AreNamedAndMakeTheExitCodeThree) {
+  const std::string file = write("a.eds", lossy);
+  EXPECT_EQ(check({.files = {write("b.eds", small), file}}), 3);
+  EXPECT_THAT(
+      out_.text(),
+      HasSubstr(file +
+                ":11:10: loss: DataType=0x99 in [2000] is no data type known here: taken as DOMAIN\n"));
+  EXPECT_THAT(out_.text(),
+              EndsWith(file + ": accepted with losses, 1 loss, 3 warnings, 1 note: 4 objects, 0 RPDOs, 0 "
+                              "TPDOs, device type 00020192H\n"));
+}
+
+TEST_F(EdsCheck, LossesBesideARefusedOrMissingFile_LeaveTheirExitCodes) {
+  EXPECT_EQ(check({.files = {write("a.eds", lossy), write("b.eds", "hello")}}), 1);
+  EXPECT_EQ(check({.files = {"/nowhere/a.eds", write("a.eds", lossy)}}), 2);
+}
+
+TEST_F(EdsCheck, LossesInJsonAndQuiet) {
+  const std::string file = write("a.eds", lossy);
+  EXPECT_EQ(check({.files = {file}, .json = true}), 3);
+  const auto line = nlohmann::json::parse(out_.text());
+  EXPECT_EQ(line["accepted"], true);
+  EXPECT_EQ(line["losses"], 1);
+  EXPECT_EQ(line["problems"][0]["severity"], "loss");
+  out_.clear();
+  EXPECT_EQ(check({.files = {write("b.eds", small), file}, .quiet = true}), 3);
+  EXPECT_THAT(out_.text(), testing::StartsWith(file + ":11:10: loss: "));
+  EXPECT_THAT(out_.text(), testing::Not(HasSubstr("b.eds")));
+}
+
 TEST_F(EdsCheck, RefusedFile_MakesTheExitCodeOne) {
   const std::string file = write("b.eds", "\nhello\n");
   EXPECT_EQ(check({.files = {file, write("a.eds", small)}}), 1);
@@ -162,7 +194,8 @@ TEST_F(EdsConvert, ConfigurationWithoutANode_IsSaid) {
 TEST_F(EdsConvert, UnknownExtensionOrFile_IsRefusedAndNothingIsWritten) {
   const std::string file = write("a.eds", small);
   EXPECT_EQ(convert(file, path("a.txt")), 2);
-  EXPECT_THAT(err_.text(), HasSubstr("expected a name that ends in .eds, .dcf, .xdd or .xdc, or --to"));
+  EXPECT_THAT(err_.text(),
+              HasSubstr("expected a name that ends in .eds, .dcf, .xdd or .xdc, or --out-format"));
   EXPECT_EQ(convert(file, "-"), 2);
   EXPECT_EQ(convert(path("none.eds"), path("b.xdd")), 2);
   EXPECT_EQ(convert(write("c.eds", "<a>"), path("b.xdd")), 1);

@@ -125,7 +125,7 @@ TEST_F(Layer2Plant, TableAndSummary_TellItsState_AndCountItsFrames) {
               HasSubstr("   -  ME3CAN1-Q U2  layer 2 online "));
   plant::RunSummary summary{.end = plant->timeline().now(), .wall = 1s, .nodes = plant->nodes()};
   EXPECT_THAT(describe(summary), ElementsAre(_, "line1 (ME3CAN1-Q U2): layer 2 online, 10 frames sent",
-                                             "all 1 nodes operational"));
+                                             "1 of 1 node operational"));
   const std::uint8_t off = 0;
   ASSERT_TRUE(plant->rack(0).write_bits(plc::Device::y, 0x23, {&off, 1}, plant->timeline().now()));
   const std::uint8_t on = 1;
@@ -134,7 +134,7 @@ TEST_F(Layer2Plant, TableAndSummary_TellItsState_AndCountItsFrames) {
   run(10ms);
   summary.nodes = plant->nodes();
   EXPECT_THAT(describe(summary),
-              ElementsAre(_, HasSubstr("layer 2 offline, 10 frames sent"), "0 of 1 nodes operational"));
+              ElementsAre(_, HasSubstr("layer 2 offline, 10 frames sent"), "0 of 1 node operational"));
 }
 
 TEST_F(Layer2Plant, FramesOfAPlainBus_AreNotReadAsCanopen) {

@@ -180,7 +180,7 @@ TEST_F(LookingAtProjects, AJournalOfAPowerCut_IsWarnedOf_AndTheProjectBeforeItIs
 
 TEST_F(LookingAtProjects, SettingsWithAJournalOfAPowerCut_AreShownAsBefore_WithAWarning) {
   const std::string file = (top / "module.xml").string();
-  ASSERT_EQ(said({"configure", "new", file, "--model", "FX3U-CAN"}).code, 0);
+  ASSERT_EQ(said({"configure", "new", file, "--module", "FX3U-CAN"}).code, 0);
   const std::string old = slurp(file);
   ASSERT_EQ(said({"configure", "set", file, "basic", "Node ID=77"}).code, 0);
   const std::string changed = slurp(file);
@@ -226,7 +226,7 @@ TEST_F(LookingAtProjects, AFolderThatMayNotBeWritten_IsShown_AndLockedByNothing)
 }
 
 TEST_F(LookingAtProjects, Show_GoesOnBesideACommandThatChangesTheProject) {
-  const auto lock = store::FolderLock::take(fs::path(line) / ".canopus");
+  const auto lock = store::FolderLock::acquire(fs::path(line) / ".canopus");
   ASSERT_TRUE(lock);
   EXPECT_EQ(said({"project", "show", line}).code, 0);
   EXPECT_NE(said({"project", "note", line, "1", "spare"}).code, 0);

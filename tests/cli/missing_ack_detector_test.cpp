@@ -48,6 +48,24 @@ class UnacknowledgedTest : public testing::Test, public plant::PlantObserver {
   std::vector<std::string> heard;
 };
 
+TEST(LinePrinterTest, LinesThatRepeatQuickly_AreCounted) {
+  text::TextOutput out;
+  text::TextOutput err;
+  plant::LinePrinter printer(out, err, false);
+  const plant::NodeLabel node{"line1", "io-block", 2};
+  for (int i = 0; i < 1300; ++i) {
+    printer.on({can::Time(i * 9ms), plant::MissingAck{node}});
+    printer.on({can::Time(i * 9ms), plant::Failure{"line1", "the controller is bus-off"}});
+  }
+  printer.on({can::Time(20s), plant::BootUp{node}});
+  const std::string line = "line1 node 2 (io-block): no acknowledgement: no other node on this bus";
+  EXPECT_EQ(out.text(), "    0.000000  " + line + "\n    0.009000  " + line + "\n    0.018000  " + line +
+                            "\n         ...  " + line +
+                            " (×1300, last 11.7 s)\n   20.000000  line1 node 2 (io-block): boot-up\n");
+  EXPECT_THAT(err.text(),
+              testing::EndsWith("\n         ...  line1: the controller is bus-off (×1300, last 11.7 s)\n"));
+}
+
 TEST_F(UnacknowledgedTest, ALoneNodeIsReportedOnce) {
   build({"node = 3\nname = \"encoder\"\nobjects = { \"1017:00\" = 100 }"});
   run_until(5s);
@@ -72,7 +90,7 @@ TEST(UnacknowledgedEvent, IsALineAndJson) {
   const plant::NodeLabel node{"line1", "encoder", 3};
   plant::LinePrinter(text, errors, false).on({can::Time(1500us), plant::MissingAck{node}});
   EXPECT_EQ(text.text(),
-            "    0.001500  line1 node 3 (encoder): nobody acknowledges: no other node on this bus\n");
+            "    0.001500  line1 node 3 (encoder): no acknowledgement: no other node on this bus\n");
   text.clear();
   plant::LinePrinter(text, errors, true).on({can::Time(1500us), plant::MissingAck{node}});
   EXPECT_EQ(text.text() + errors.text(), "");

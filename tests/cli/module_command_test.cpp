@@ -11,7 +11,7 @@
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/cli/plc/module_status.hpp"
 #include "canopus/eds/device_file.hpp"
-#include "canopus/module/models/me3can1_q/object_table.hpp"
+#include "canopus/module/models/me3can1_q/me3can1_q.hpp"
 #include "canopus/module/storage/flash_memory.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/store/file_memory.hpp"

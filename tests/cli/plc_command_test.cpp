@@ -1,7 +1,5 @@
 // `canopus plc` against the server in a thread of its own, and how addresses and values are written.
 
-#include "canopus/cli/plc/plc_command.hpp"
-
 #include <string>
 #include <thread>
 #include <vector>
@@ -12,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/options/parser.hpp"
 #include "canopus/client/plc_address.hpp"
 #include "canopus/serve/melsec_server.hpp"
@@ -53,7 +52,7 @@ class PlcCommandTest : public ::testing::Test {
   };
   Outcome run(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "plc");
-    arguments.insert(arguments.end(), {"--port", port_});
+    arguments.insert(arguments.end(), {"--plc", port_});
     Command app;
     Outcome outcome;
     add_plc_command(app, outcome.exit_code);

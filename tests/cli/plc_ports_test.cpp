@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/options/parser.hpp"
-#include "canopus/cli/plc/plc_command.hpp"
 #include "canopus/client/plc_point.hpp"
 #include "canopus/plc/modbus/as300_map.hpp"
 #include "canopus/serve/melsec_server.hpp"
@@ -65,7 +65,7 @@ class ServedPlc {
   /// `arguments` of canopus plc, with `options` of the port behind them.
   Outcome run(Words arguments, const Words& options) const {
     arguments.insert(arguments.begin(), "plc");
-    arguments.insert(arguments.end(), {"--port", std::to_string(port_)});
+    arguments.insert(arguments.end(), {"--plc", std::to_string(port_)});
     arguments.insert(arguments.end(), options.begin(), options.end());
     Command app;
     Outcome outcome;
@@ -297,10 +297,10 @@ TEST(PlcModbus, WhatIsRefused_IsSaidInWords) {
   port.settings.unit = 3;
   const ServedPlc plc(port);
   EXPECT_EQ(plc.run({"read", "D0"}, {"--modbus", "--unit", "3"}).exit_code, 0);
-  EXPECT_EQ(plc.run({"read", "D0"}, modbus).exit_code, 0) << "255 is whoever has the port";
+  EXPECT_EQ(plc.run({"read", "D0"}, modbus).exit_code, 0) << "255 is the device that has the port";
   Outcome outcome = plc.run({"read", "D0"}, {"--modbus", "--unit", "4"});
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_EQ(outcome.err, "canopus plc: the PLC answers exception 0BH: nobody has this unit identifier\n");
+  EXPECT_EQ(outcome.err, "canopus plc: the PLC answers exception 0BH: no device has this unit identifier\n");
   EXPECT_EQ(plc.run({"set", "X0.0"}, modbus).err,
             "canopus plc: the PLC answers exception 02H: no such address, or it cannot be written\n");
   outcome = plc.run({"read", "D29999", "-n", "2"}, modbus);

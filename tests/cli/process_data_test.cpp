@@ -213,10 +213,9 @@ TEST_F(ProcessDataTest, WithoutRecover_AResetMayStopTheProcessData_AndThatIsSaid
       continue;
     }
     ++stopped;
-    ASSERT_THAT(events,
-                ElementsAre(HasSubstr("ME3CAN1-Q U0: process data are not exchanged: X01 has not come "
-                                      "for 1.0 s, because Y01 was set while the module initialized. "
-                                      "The way back: Y01 OFF and ON again")));
+    ASSERT_THAT(events, ElementsAre(HasSubstr("ME3CAN1-Q U0: no process data exchange: X01 has not come "
+                                              "for 1.0 s, because Y01 was set while the module initialized. "
+                                              "To recover, set Y01 OFF and ON again")));
     run(5s);
     EXPECT_EQ(events.size(), 1U);
     EXPECT_FALSE(process_data_flow());
@@ -243,14 +242,14 @@ TEST_F(ProcessDataTest, WithoutRecover_AfterStopAndRunTheWayBackIsSaid) {
   rack().set_cpu_state(module::CpuState::run, now());
   run(1s);
   constexpr const char* way_back =
-      "no process data are exchanged: pre-operational since the CPU's STOP, and RUN alone does not change "
-      "that. The way back: 05H to 1F82H:01 of the module (request NMT, Start remote node to itself), or a "
-      "restart";
+      "no process data exchange: pre-operational since the CPU's STOP, and RUN alone does not change "
+      "that. To recover, write 05H to 1F82:01 of the module (request NMT, Start remote node to itself), or "
+      "restart it";
   EXPECT_THAT(events, ElementsAre(HasSubstr(way_back)));
   plant::Plant* plant = plant_.get();
   LiveTable table(plant);
   EXPECT_THAT(shown(table, now(), {40, 200}),
-              HasSubstr("\n      no process data are exchanged: pre-operational "));
+              HasSubstr("\n      no process data exchange: pre-operational "));
   const auto lines = describe(plant::RunSummary{.end = now(), .troubles = plant_->troubles()});
   EXPECT_THAT(lines, Contains(HasSubstr(way_back)));
   ASSERT_EQ(plant_->troubles().size(), 1U);
@@ -316,7 +315,7 @@ TEST_F(ProcessDataTest, CpuInStopWhileTheNetworkStarts_IsOperationalAfterRun) {
   run(3s);
   rack().set_cpu_state(module::CpuState::run, now());
   run(1s);
-  EXPECT_THAT(events, ElementsAre(HasSubstr("The way back: 05H to 1F82H:01 of the module")));
+  EXPECT_THAT(events, ElementsAre(HasSubstr("To recover, write 05H to 1F82:01 of the module")));
 }
 
 /// A program of the user's, by MC protocol.

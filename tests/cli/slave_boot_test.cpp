@@ -18,6 +18,7 @@ namespace canopus::cli::slave_boot_test {
 namespace {
 
 using manager::BootStep;
+using testing::AllOf;
 using testing::ContainsRegex;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -30,7 +31,7 @@ const std::string devices = CANOPUS_SOURCE_DIR "/examples/devices/";
 class SlaveBootTest : public testing::Test, public plant::PlantObserver {
  protected:
   /// A master (node 1), an encoder (node 3), and what `objects` says of others.
-  void run(const std::string& objects, can::Duration duration) {
+  void run(const std::string& objects, can::Duration duration, const std::string& of_encoder = "") {
     const std::string text = R"(
 [[bus]]
 name = "line1"
@@ -39,6 +40,7 @@ bit_rate = 250_000
 node = 3
 name = "encoder"
 eds = ")" + devices + R"(encoder.eds"
+)" + of_encoder + R"(
 [[plc]]
 name = "plc1"
 [[plc.module]]
@@ -80,7 +82,7 @@ TEST_F(SlaveBootTest, EveryStepOfAGoodBootIsTold) {
   run("", 1500ms);
   EXPECT_THAT(events, ElementsAre("1.000 3 waiting for its boot-up message after the reset by 1",
                                   "1.001 3 asking for 1000H by 1",
-                                  "1.002 3 checking its identity, 1018H:02 by 1", "1.004 3 booted by 1"));
+                                  "1.002 3 checking its identity, 1018:02 by 1", "1.004 3 booted by 1"));
   ASSERT_EQ(plant->boots().size(), 1U);
   EXPECT_EQ(plant->boots()[0].slave.name, "encoder");
   EXPECT_EQ(plant->boots()[0].master.node_id, 1);
@@ -99,6 +101,20 @@ TEST_F(SlaveBootTest, AMissingSlave_IsInTheTableWithWhatToCheck) {
   EXPECT_EQ(missing.slave.name, "");
   EXPECT_EQ(missing.record.error, manager::BootError::no_answer);
   EXPECT_EQ(missing.record.attempts, 2U);
+}
+
+TEST_F(SlaveBootTest, ASlaveWithAnotherBitRate_IsTheReasonForAllThatDoNotAnswer) {
+  run(R"("1F81:09" = 0x05)", 4200ms, "bit_rate = 500_000");
+  for (const plant::SlaveBoot& boot : plant->boots()) {
+    EXPECT_THAT(
+        manager::explain(boot.record, plant->timeline().now()),
+        AllOf(
+            HasSubstr("no answer to 1000H"),
+            HasSubstr("without an answer. Node 3 has 500 kbit/s, the bus 250 kbit/s: no frame of this bus is "
+                      "valid until they are the same.")))
+        << unsigned{boot.slave.node_id};
+  }
+  EXPECT_EQ(plant->boots().size(), 2U);
 }
 
 TEST_F(SlaveBootTest, AWrongMandatoryDevice_EndsTheStartUpAndSaysSo) {

@@ -162,7 +162,7 @@ TEST(TableLayout, TroubleComesFirst_WorstFirst) {
                                 .sub = 2,
                                 .expected = 0x1234,
                                 .received = 0x406}});
-  plant.state.troubles.push_back({plant.node(1).label, "no process data are exchanged: the CPU is in STOP"});
+  plant.state.troubles.push_back({plant.node(1).label, "no process data exchange: the CPU is in STOP"});
   plant.node(80).error_state = can::ErrorState::bus_off;
   std::vector<std::string> rows;
   for (const std::string& line : plant.lines({60, 80})) {
@@ -176,7 +176,7 @@ TEST(TableLayout, TroubleComesFirst_WorstFirst) {
                                 "  20  device 20   operational", "  10  device 10   off",
                                 "   2  device 2    operational"));
   const auto lines = plant.lines({60, 80});
-  EXPECT_THAT(lines, Contains("      no process data are exchanged: the CPU is in STOP"));
+  EXPECT_THAT(lines, Contains("      no process data exchange: the CPU is in STOP"));
   EXPECT_THAT(lines, Contains("      error passive: TEC 0, REC 130"));
   EXPECT_THAT(lines, Contains(HasSubstr("expected 00001234H")));
   EXPECT_THAT(lines, Contains("  20  device 20   operational      8110H x3   -            50"));

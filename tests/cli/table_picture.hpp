@@ -27,7 +27,7 @@ inline std::string text_of(const TablePicture& picture) {
 
 /// What the table shows of a plant.
 inline std::string shown(LiveTable& table, can::Time now, TableSize size, TableView view = {}) {
-  return text_of(lay_out(table.look(now, {}), view, size));
+  return text_of(lay_out(table.state(now, {}), view, size));
 }
 
 }  // namespace canopus::cli

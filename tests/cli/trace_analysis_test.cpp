@@ -53,6 +53,25 @@ TEST(MessagePrinter, Frames_HaveTheirBytes) {
               HasSubstr("3 (encoder)   [2] D2 04                    Position = 1234\n"));
 }
 
+Message malformed() {
+  Message message{.time = can::Time(1'500'250us), .frame = can::data_frame(0x585, {0x60, 0x01})};
+  message.service = Service::sdo;
+  message.kind = "malformed";
+  message.node = 5;
+  message.is_malformed = true;
+  message.text = "2 bytes, expected 8: 60 01";
+  return message;
+}
+
+TEST(MessagePrinter, MalformedMessage_IsMarked_InColourOnATerminal) {
+  EXPECT_EQ(printed(malformed(), {}),
+            "   0.500250  line1  585  SDO            5             malformed: 2 bytes, expected 8: 60 01\n");
+  EXPECT_THAT(printed(malformed(), {.colour = true}),
+              HasSubstr("\x1B[31mmalformed: 2 bytes, expected 8: 60 01\x1B[0m"));
+  EXPECT_THAT(printed(malformed(), {.json = true}), HasSubstr("\"malformed\":true"));
+  EXPECT_THAT(trace::searched_text(malformed(), "line1"), HasSubstr("malformed"));
+}
+
 TEST(MessagePrinter, Delta_CountsFromTheLineBefore) {
   TextOutput out;
   trace::MessagePrinter printer({.time = trace::TimeColumn::delta}, out);
@@ -133,11 +152,11 @@ TEST(MessageFilter, Mistakes_SayWhatWasExpected) {
     return err.text();
   };
   EXPECT_EQ(mistake({.nodes = {"128"}}),
-            "canopus: --only-node 128: expected a node-ID 1 to 127, or 0 for all\n");
+            "canopus: --node 128: expected a node-ID 1 to 127, 0 for all, or a name\n");
   EXPECT_THAT(mistake({.services = {"sdoo"}}),
               HasSubstr("canopus: --service sdoo: unknown service; did you mean \"sdo\"?"));
   EXPECT_THAT(mistake({.objects = {"x"}}), HasSubstr("canopus: --object: "));
-  EXPECT_THAT(mistake({.identifiers = {"20000000"}}), HasSubstr("--id 20000000: expected an identifier"));
+  EXPECT_THAT(mistake({.identifiers = {"20000000"}}), HasSubstr("--can-id 20000000: expected an identifier"));
   EXPECT_EQ(mistake({.from = "2s", .to = "1s"}), "canopus: --from is later than --to\n");
   EXPECT_THAT(mistake({.from = "soon"}), HasSubstr("canopus: --from: "));
 }
@@ -145,7 +164,7 @@ TEST(MessageFilter, Mistakes_SayWhatWasExpected) {
 TEST(AnalysisNames, Plant_NamesModulesAndDevicesWithTheirPdos) {
   TextOutput err;
   const auto names =
-      load_names({.plant = std::string(CANOPUS_SOURCE_DIR) + "/examples/first-plant/plant.toml"}, err);
+      load_names({.of = {.plant = CANOPUS_SOURCE_DIR "/examples/first-plant/plant.toml"}}, err);
   ASSERT_TRUE(names.has_value()) << err.text();
   ASSERT_EQ(names->nodes().size(), 4U);
   EXPECT_EQ(names->nodes()[0].name, "ME3CAN1-Q U0");
@@ -157,10 +176,10 @@ TEST(AnalysisNames, Plant_NamesModulesAndDevicesWithTheirPdos) {
 
 TEST(AnalysisNames, WrongNode_SaysWhatWasExpected) {
   TextOutput err;
-  EXPECT_FALSE(load_names({.nodes = {"200=x.eds"}}, err).has_value());
-  EXPECT_THAT(err.text(), HasSubstr("--node 200=x.eds: expected a node-ID 1 to 127, = and a device file"));
+  EXPECT_FALSE(load_names({.device_files = {"200=x.eds"}}, err).has_value());
+  EXPECT_THAT(err.text(), HasSubstr("--eds 200=x.eds: expected a node-ID 1 to 127, = and a device file"));
   err.clear();
-  EXPECT_FALSE(load_names({.nodes = {"3=/nowhere.eds"}}, err).has_value());
+  EXPECT_FALSE(load_names({.device_files = {"3=/nowhere.eds"}}, err).has_value());
   EXPECT_THAT(err.text(), HasSubstr("/nowhere.eds"));
 }
 

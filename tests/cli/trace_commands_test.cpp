@@ -64,20 +64,20 @@ class TraceCommands : public testing::Test {
 TEST_F(TraceCommands, Convert_KeepsWhatIsDatedBeforeTheFirstFrame) {
   EXPECT_EQ(said({"trace", "convert", path("a.log"), path("b.log")}).code, 0);
   EXPECT_THAT(content("b.log"), HasSubstr("183#03"));
-  EXPECT_EQ(said({"trace", "convert", path("a.log"), path("c.log"), "--start", "0s"}).code, 0);
+  EXPECT_EQ(said({"trace", "convert", path("a.log"), path("c.log"), "--from", "0s"}).code, 0);
   EXPECT_THAT(content("c.log"), testing::Not(HasSubstr("183#03")));
 }
 
 TEST_F(TraceCommands, ReversedRanges_AreWrongUsage) {
-  EXPECT_EQ(said({"trace", "convert", path("a.log"), path("b.log"), "--start", "5s", "--end", "1s"}).code, 2);
+  EXPECT_EQ(said({"trace", "convert", path("a.log"), path("b.log"), "--from", "5s", "--to", "1s"}).code, 2);
   EXPECT_FALSE(std::filesystem::exists(path("b.log")));
   EXPECT_THAT(said({"replay", path("a.log"), "--from", "5s", "--to", "1s"}).error,
               HasSubstr("--from is later than --to"));
-  EXPECT_THAT(said({"replay", path("a.log"), "--id", "5-1"}).error, HasSubstr("\"5-1\" is no identifier"));
+  EXPECT_THAT(said({"replay", path("a.log"), "--can-id", "5-1"}).error, HasSubstr("\"5-1\" is no CAN-ID"));
 }
 
 TEST_F(TraceCommands, Plot_DoesNotWriteOverItsTrace) {
-  EXPECT_EQ(said({"trace", "plot", path("a.log"), "--out", path("a.log")}).code, 2);
+  EXPECT_EQ(said({"trace", "plot", path("a.log"), "--output", path("a.log")}).code, 2);
   EXPECT_EQ(content("a.log"), text_);
 }
 
@@ -87,7 +87,7 @@ TEST_F(TraceCommands, AMissingFile_IsExitCodeTwoAndNoReport) {
     const Said stats = said({"trace", "stats", file});
     EXPECT_EQ(stats.code, 2) << file;
     EXPECT_EQ(stats.out, "") << file;
-    EXPECT_EQ(said({"trace", "plot", file, "--out", path("p.svg")}).code, 2) << file;
+    EXPECT_EQ(said({"trace", "plot", file, "--output", path("p.svg")}).code, 2) << file;
     EXPECT_FALSE(std::filesystem::exists(path("p.svg"))) << file;
   }
 }
@@ -104,7 +104,7 @@ TEST_F(TraceCommands, AChannelThatTheTraceHasNot_IsSaid) {
        {std::vector<std::string>{"trace", "convert", path("a.log"), path("b.csv"), "--relative", "-q"},
         {"trace", "show", path("a.log")},
         {"trace", "stats", path("a.log")},
-        {"trace", "plot", path("a.log"), "--out", path("a.svg")}}) {
+        {"trace", "plot", path("a.log"), "--output", path("a.svg")}}) {
     std::vector<std::string> missing = words;
     missing.insert(missing.end(), {"--channel", "can7"});
     const Said wrong = said(missing);
@@ -115,6 +115,90 @@ TEST_F(TraceCommands, AChannelThatTheTraceHasNot_IsSaid) {
     there.insert(there.end(), {"--channel", "can0"});
     EXPECT_EQ(said(there).code, 0) << words[1];
   }
+}
+
+constexpr char two_kinds[] =
+    "(1.0) can0 705#05\n(1.1) can0 181##1112233\n# note\n(1.2) can0 705#05\n"
+    "DROPCOUNT: dropped 3 CAN frames on 'can0' socket (total drops 3)\n";
+
+TEST_F(TraceCommands, WhatATraceLeavesOut_IsSaidByEveryCommandThatReadsIt) {
+  std::ofstream(path("two.log")) << two_kinds;
+  const std::string left_out = "canopus: " + path("two.log") + ": left out: 1 CAN FD frame, 1 comment\n";
+  const std::string lost =
+      "canopus: " + path("two.log") + ": the recorder lost 3 frames, which are not in the trace\n";
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"trace", "info", path("two.log")},
+        {"trace", "show", path("two.log")},
+        {"trace", "stats", path("two.log")},
+        {"trace", "plot", path("two.log"), "--output", path("two.svg")},
+        {"trace", "convert", path("two.log"), path("two.csv"), "-q"},
+        {"trace", "diff", path("two.log"), path("two.log"), "-q"}}) {
+    const Said all = said(words);
+    EXPECT_EQ(all.code, 0) << words[1] << all.error;
+    EXPECT_THAT(all.error, HasSubstr(left_out + lost)) << words[1];
+  }
+}
+
+TEST_F(TraceCommands, Info_ListsWhatIsLeftOutByKind) {
+  std::ofstream(path("two.log")) << two_kinds;
+  EXPECT_THAT(said({"trace", "info", path("two.log")}).out,
+              HasSubstr("  left out     1 CAN FD frame, 1 comment\n  lost         3 by the recorder\n"));
+  EXPECT_THAT(said({"trace", "info", path("a.log")}).out, HasSubstr("  left out     0\n"));
+  const std::string json = said({"trace", "info", path("two.log"), "--json"}).out;
+  for (const char* part : {R"("left_out":2)", R"("lost":3)", R"("can_fd":1)", R"("comment":1)"})
+    EXPECT_THAT(json, HasSubstr(part));
+}
+
+TEST_F(TraceCommands, FileOfWhichNothingWasRead_IsAnErrorThatChangesNothing) {
+  std::ofstream(path("fd.log")) << "(1.0) can0 181##1112233\n(1.1) can0 182##1112233\n";
+  std::ofstream(path("out.csv")) << "before";
+  const std::string nothing =
+      path("fd.log") +
+      ": nothing of it was read: expected classical CAN frames in a trace of the format "
+      "candump\n";
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"trace", "info", path("fd.log")},
+                                                {"trace", "show", path("fd.log")},
+                                                {"trace", "stats", path("fd.log")},
+                                                {"trace", "convert", path("fd.log"), path("out.csv")}}) {
+    const Said all = said(words);
+    EXPECT_EQ(all.code, 1) << words[1];
+    EXPECT_THAT(all.error, HasSubstr("left out: 2 CAN FD frames\n")) << words[1];
+    EXPECT_THAT(all.error, HasSubstr(nothing)) << words[1];
+  }
+  EXPECT_EQ(said({"trace", "diff", path("fd.log"), path("a.log"), "-q"}).code, 2);
+  EXPECT_EQ(content("out.csv"), "before");
+}
+
+TEST_F(TraceCommands, TraceInWhichNothingHappened_IsNoError) {
+  std::ofstream(path("empty.log")) << "";
+  std::ofstream(path("notes.log")) << "# a note\n(1.0) can0 705#05\n";
+  std::ofstream(path("head.asc"))
+      << "base hex  timestamps absolute\n// version 9.0.0\n0.0 Start of measurement\n";
+  for (const char* name : {"empty.log", "notes.log", "head.asc"})
+    EXPECT_EQ(said({"trace", "info", path(name)}).code, 0) << name;
+}
+
+TEST_F(TraceCommands, ShortSdoFrames_AreShownAndCounted) {
+  std::ofstream(path("short.log")) << "(1.0) can0 605#4000100000000000\n(1.001) can0 585#43001000920102\n"
+                                      "(1.1) can0 605#2F00620105\n(1.2) can0 705#05\n";
+  const std::string shown = said({"trace", "show", path("short.log")}).out;
+  EXPECT_THAT(shown, HasSubstr("malformed: 7 bytes, expected 8: 43 00 10 00 92 01 02\n"));
+  EXPECT_THAT(shown, HasSubstr("malformed: 5 bytes, expected 8: 2F 00 62 01 05\n"));
+  EXPECT_THAT(shown, HasSubstr("1000:00 'Device type' read: no valid answer: one of 7 bytes, expected 8\n"));
+  EXPECT_THAT(shown, testing::Not(HasSubstr("no answer")));
+  EXPECT_THAT(shown, testing::Not(HasSubstr("\x1B")));
+  const std::string figures = said({"trace", "stats", path("short.log")}).out;
+  EXPECT_TRUE(
+      figures.starts_with("malformed messages (sdo 2):\n"
+                          "     0.001000  node 5  585 sdo: 7 bytes, expected 8: 43 00 10 00 92 01 02\n"
+                          "     0.100000  node 5  605 sdo: 5 bytes, expected 8: 2F 00 62 01 05\n"
+                          "duration: 0.200000 s\n"))
+      << figures;
+  EXPECT_THAT(figures, HasSubstr("2 malformed"));
+  const std::string json = said({"trace", "stats", path("short.log"), "--json"}).out;
+  EXPECT_THAT(json, HasSubstr(R"("malformed_services":{"sdo":2})"));
+  EXPECT_THAT(said({"trace", "show", path("short.log"), "--filter", "errors"}).out,
+              HasSubstr("malformed: 5 bytes, expected 8"));
 }
 
 TEST_F(TraceCommands, StatsAndShow_LeaveOutOtherChannels) {
@@ -146,7 +230,8 @@ TEST_F(TraceCommands, ShowWithReversedTimes_IsWrongUsage) {
 TEST_F(TraceCommands, ConvertRelative_SaysWhichTimesTheFormatCannotHave) {
   const Said candump = said({"trace", "convert", path("a.log"), path("b.log"), "--relative"});
   EXPECT_EQ(candump.code, 1);
-  EXPECT_THAT(candump.error, HasSubstr("1 frames are earlier than time 0, which candump cannot say"));
+  EXPECT_THAT(candump.error,
+              HasSubstr("1 frame earlier than time 0, which candump cannot say, written at time 0"));
   EXPECT_EQ(said({"trace", "convert", path("a.log"), path("b.csv"), "--relative"}).code, 0);
   EXPECT_THAT(content("b.csv"), HasSubstr("-50.000000000"));
 }
@@ -164,7 +249,7 @@ TEST_F(TraceCommands, Convert_ReplacesItsTargetAndKeepsModeAndLink) {
 }
 
 TEST_F(TraceCommands, Convert_WritesIntoADeviceAsItIs) {
-  const Said device = said({"trace", "convert", path("a.log"), "/dev/null", "--to", "csv"});
+  const Said device = said({"trace", "convert", path("a.log"), "/dev/null", "--out-format", "csv"});
   EXPECT_EQ(device.code, 0) << device.error;
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
 }
@@ -179,7 +264,8 @@ TEST_F(TraceCommands, Convert_WritesTheTrcOfOlderPrograms) {
   EXPECT_THAT(text, testing::Not(HasSubstr("$COLUMNS")));
   EXPECT_THAT(text, HasSubstr("\r\n     1)         0.4  Rx         0181  2  01 02\r\n"));
   EXPECT_THAT(text, HasSubstr("\r\n     2)      1077.0  Tx     00000181  3  RTR\r\n"));
-  EXPECT_THAT(text, HasSubstr("\r\n     3)      1177.0  Error      0001  4  00 00 00 00\r\n"));
+  // found while receiving (01): the frame has not the flag of a transmission
+  EXPECT_THAT(text, HasSubstr("\r\n     3)      1177.0  Error      0001  4  01 00 00 00\r\n"));
   EXPECT_EQ(said({"trace", "convert", path("b.log"), path("c.trc"), "--trc-version", "3"}).code, 2);
 }
 
@@ -220,7 +306,7 @@ TEST_F(TraceCommands, IgnoredSignal_StaysIgnored) {
         NewFile file(path("b.csv"));
         (void)::raise(SIGHUP);
         std::ofstream(file.path()) << "whole";
-        const bool kept = file.keep().has_value();
+        const bool kept = file.commit().has_value();
         ::_exit(kept ? 7 : 8);
       },
       testing::ExitedWithCode(7), "");
@@ -231,8 +317,8 @@ TEST_F(TraceCommands, Monitor_DoesNotWriteOverWhatItReads) {
   std::filesystem::copy_file(std::string(CANOPUS_SOURCE_DIR) + "/examples/lift/devices/load-unit.eds",
                              path("eds.log"));
   const std::string before = content("eds.log");
-  const Said monitor = said(
-      {"monitor", "cannelloni:127.0.0.1:9", "--node", "3=" + path("eds.log"), "--write", path("eds.log")});
+  const Said monitor = said({"monitor", "--bus", "cannelloni:127.0.0.1:9", "--eds", "3=" + path("eds.log"),
+                             "--trace", path("eds.log")});
   EXPECT_THAT(monitor.error, HasSubstr("this file is read"));
   EXPECT_EQ(monitor.code, 2);
   EXPECT_EQ(content("eds.log"), before);

@@ -18,8 +18,8 @@
 
 #include "canopus/cli/module_settings/configure_command.hpp"
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/options/parser.hpp"
-#include "canopus/cli/plc/plc_command.hpp"
 #include "canopus/serve/melsec_server.hpp"
 #include "canopus/store/folder_lock.hpp"
 
@@ -100,8 +100,8 @@ class TransferSetupTest : public ::testing::Test {
 
 TEST_F(TransferSetupTest, Set_OfANewNameMakesOne_AndOfAKnownNameChangesWhatIsGiven) {
   EXPECT_EQ(setup({"list"}).out, "");
-  EXPECT_EQ(setup({"set", "line 1", "--host", "192.168.3.39", "--port", "5010", "--udp", "--4e", "--ascii",
-                   "--timeout", "1s", "--cpu", "3", "--cpu-type", "R08SF", "--model", "RJ71CN91"})
+  EXPECT_EQ(setup({"set", "line 1", "--plc", "192.168.3.39:5010", "--udp", "--4e", "--ascii", "--timeout",
+                   "1s", "--cpu", "3", "--cpu-type", "R08SF", "--module", "RJ71CN91"})
                 .exit_code,
             0);
   const TransferSetup whole{.host = "192.168.3.39",
@@ -115,7 +115,7 @@ TEST_F(TransferSetupTest, Set_OfANewNameMakesOne_AndOfAKnownNameChangesWhatIsGiv
                             .model = "RJ71CN91"};
   EXPECT_EQ(find_transfer_setup("line 1"), whole);
   EXPECT_EQ(setup({"set", "line 1", "--tcp", "--3e", "--binary", "--cpu", "none", "--cpu-type", "any",
-                   "--model", "any"})
+                   "--module", "any"})
                 .exit_code,
             0);
   EXPECT_EQ(find_transfer_setup("line 1"),
@@ -129,7 +129,7 @@ TEST_F(TransferSetupTest, Set_OfANewNameMakesOne_AndOfAKnownNameChangesWhatIsGiv
 }
 
 TEST_F(TransferSetupTest, Show_HasTheNamesThatTheToolPrints) {
-  setup({"set", "line1", "--host", "10.0.0.1", "--cpu", "2", "--cpu-type", "R16SF"});
+  setup({"set", "line1", "--plc", "10.0.0.1", "--cpu", "2", "--cpu-type", "R16SF"});
   const std::string shown = setup({"show", "line1"}).out;
   for (const char* line : {"Select transfer setup   line1\n", "PC side I/F             Ethernet board\n",
                            "Connect module          CPU module\n", "Protocol                TCP\n",
@@ -147,8 +147,8 @@ TEST_F(TransferSetupTest, Show_HasTheNamesThatTheToolPrints) {
 }
 
 TEST_F(TransferSetupTest, RenameAndRemove_KeepTheRest) {
-  setup({"set", "a", "--port", "1"});
-  setup({"set", "b", "--port", "2"});
+  setup({"set", "a", "--plc", "1"});
+  setup({"set", "b", "--plc", "2"});
   EXPECT_EQ(setup({"rename", "a", "b"}).exit_code, 2);
   EXPECT_EQ(setup({"rename", "c", "d"}).exit_code, 2);
   EXPECT_EQ(setup({"rename", "a", "../a"}).exit_code, 2);
@@ -162,7 +162,7 @@ TEST_F(TransferSetupTest, RenameAndRemove_KeepTheRest) {
 }
 
 TEST_F(TransferSetupTest, WhatIsRefused_ChangesNothing) {
-  setup({"set", "a", "--port", "1"});
+  setup({"set", "a", "--plc", "1"});
   const std::string before = text();
   struct Case {
     Words words;
@@ -177,18 +177,18 @@ TEST_F(TransferSetupTest, WhatIsRefused_ChangesNothing) {
       {{"set", " a"}, "is no name"},
       {{"set", "../a"}, "is no name"},
       {{"set", "<New>"}, "is no name"},
-      {{"set", "a", "--host", ""}, "a: host = \"\": expected a name or an address"},
-      {{"set", "a", "--host", "x y"}, "expected a name or an address"},
-      {{"set", "a", "--port", "0"}, "1 to 65535"},
-      {{"set", "a", "--port", "65536"}, "1 to 65535"},
+      {{"set", "a", "--plc", ""}, "is no address of a PLC"},
+      {{"set", "a", "--plc", "x y"}, "expected a name or an address"},
+      {{"set", "a", "--plc", "0"}, "1 to 65535"},
+      {{"set", "a", "--plc", "65536"}, "1 to 65535"},
       {{"set", "a", "--timeout", "0s"}, "a: timeout = \"0s\": expected at least 1ms"},
       {{"set", "a", "--timeout", "soon"}, "timeout: "},
       {{"set", "a", "--cpu", "5"}, "\"5\" is unknown"},
       {{"set", "a", "--cpu-type", "R5"}, "\"R5\" is unknown"},
-      {{"set", "a", "--model", "X"}, "expected any or one of"},
+      {{"set", "a", "--module", "X"}, "expected any or one of"},
       {{"set", "a", "--cpu", "1", "--1e"}, "a: cpu: a 1E frame names no CPU"},
-      {{"set", "a", "--tcp", "--udp"}, "excludes"},
-      {{"set", "a", "--3e", "--1e"}, "excludes"},
+      {{"set", "a", "--tcp", "--udp"}, "cannot be combined with"},
+      {{"set", "a", "--3e", "--1e"}, "cannot be combined with"},
       {{"set", "a", "--password", "x"}, "not expected"},
   };
   for (const Case& one : cases) {
@@ -256,7 +256,7 @@ TEST_F(TransferSetupTest, AtMost200_AndAFileThatIsNone) {
 
 TEST_F(TransferSetupTest, WhoeverChangesThem_DoesItAlone) {
   setup({"set", "a"});
-  const auto lock = store::FolderLock::take(file().parent_path());
+  const auto lock = store::FolderLock::acquire(file().parent_path());
   ASSERT_TRUE(lock);
   EXPECT_EQ(setup({"set", "b"}).exit_code, 1);
   EXPECT_EQ(setup({"list"}).exit_code, 0);
@@ -275,7 +275,7 @@ class CpuOfRequest : public TransferSetupTest {
       boost::system::error_code error;
       boost::asio::read(client, boost::asio::buffer(head), error);
     });
-    words.insert(words.end(), {"--port", std::to_string(acceptor.local_endpoint().port())});
+    words.insert(words.end(), {"--plc", std::to_string(acceptor.local_endpoint().port())});
     EXPECT_EQ(run(std::move(words)).exit_code, 1);
     peer.join();
     return plc::testing::shown(head.substr(at, 2));
@@ -332,7 +332,7 @@ class SetupOfRack : public TransferSetupTest {
 };
 
 TEST_F(SetupOfRack, Test_IsWhatPlcTypeSays_AndKnowsAnotherCpuType) {
-  setup({"set", "a", "--port", port_});
+  setup({"set", "a", "--plc", port_});
   EXPECT_EQ(setup({"test", "a"}).out, run({"plc", "type", "--setup", "a"}).out);
   EXPECT_THAT(setup({"test", "a"}).out, StartsWith("R04CPU  "));
   EXPECT_EQ(setup({"test", "a", "--json"}).out, run({"plc", "type", "--setup", "a", "--json"}).out);
@@ -343,16 +343,16 @@ TEST_F(SetupOfRack, Test_IsWhatPlcTypeSays_AndKnowsAnotherCpuType) {
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("the CPU module is a R04CPU; CPU type of a is R04EN"));
   EXPECT_EQ(setup({"test", "a", "--password", std::string(33, 'x')}).exit_code, 2);
-  setup({"set", "a", "--port", "1"});
+  setup({"set", "a", "--plc", "1"});
   EXPECT_EQ(setup({"test", "a"}).exit_code, 1);
 }
 
 TEST_F(SetupOfRack, EachOptionGoesBeforeTheSetup_WhereverItStands) {
-  setup({"set", "a", "--port", port_, "--ascii", "--4e"});
+  setup({"set", "a", "--plc", port_, "--ascii", "--4e"});
   EXPECT_EQ(run({"plc", "write", "D0", "7", "--setup", "a"}).exit_code, 0);
-  setup({"set", "wrong", "--host", "256.1.1.1", "--port", "1", "--udp", "--1e", "--timeout", "1ms"});
-  const Words right{"--host",    "127.0.0.1", "--port", port_,  "--tcp",   "--3e",
-                    "--timeout", "3s",        "--cpu",  "none", "--binary"};
+  setup({"set", "wrong", "--plc", "256.1.1.1:1", "--udp", "--1e", "--timeout", "1ms"});
+  const Words right{"--plc",   "127.0.0.1:" + port_, "--tcp", "--3e", "--timeout", "3s", "--cpu", "none",
+                    "--binary"};
   Words words{"plc", "read", "D0", "--format", "dec", "--setup", "wrong"};
   words.insert(words.end(), right.begin(), right.end());
   EXPECT_EQ(run(words).out, "D0  7\n");
@@ -363,13 +363,14 @@ TEST_F(SetupOfRack, EachOptionGoesBeforeTheSetup_WhereverItStands) {
   EXPECT_EQ(run({"plc", "read", "D0", "--setup", "wrong"}).exit_code, 1);
   EXPECT_THAT(run({"plc", "read", "D0", "--setup", "none"}).err,
               HasSubstr("--setup: there is no transfer setup \"none\"; expected a or wrong"));
-  EXPECT_THAT(run({"plc", "read", "D0", "--setup", "a", "--modbus"}).err, HasSubstr("excludes"));
+  EXPECT_THAT(run({"plc", "read", "D0", "--setup", "a", "--modbus"}).err,
+              HasSubstr("cannot be combined with"));
 }
 
 TEST_F(SetupOfRack, CpuNo1IsTheRacksOwn_OthersAreNotThere) {
-  EXPECT_EQ(run({"plc", "read", "D0", "--port", port_, "--cpu", "1"}).exit_code, 0);
+  EXPECT_EQ(run({"plc", "read", "D0", "--plc", port_, "--cpu", "1"}).exit_code, 0);
   for (const char* cpu : {"2", "3", "4"}) {
-    const Outcome outcome = run({"plc", "read", "D0", "--port", port_, "--cpu", cpu});
+    const Outcome outcome = run({"plc", "read", "D0", "--plc", port_, "--cpu", cpu});
     EXPECT_EQ(outcome.exit_code, 1);
     EXPECT_THAT(outcome.err, HasSubstr("the PLC answers C05FH"));
   }

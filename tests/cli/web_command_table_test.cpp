@@ -100,10 +100,10 @@ TEST_P(WebCommandTable, EachCommandAndField_IsOneOfTheProgram) {
   ASSERT_TRUE(command->action()) << "is no command that does something";
   if (web.has_json) sent.emplace_back("--json");
   const bool is_of_a_bus = !web::is_web_settings_command(web.title);
-  if (web.joins_bus) sent.emplace_back(is_of_a_bus ? "--bus=BUS" : "--host=ADDRESS");
+  if (web.joins_bus) sent.emplace_back(is_of_a_bus ? "--bus=BUS" : "--plc=ADDRESS");
   if (web.takes_device_files) sent.emplace_back("--eds=FILE");
   if (web.settings == Settings::option) sent.emplace_back("--project=FILE");
-  if (web.settings == Settings::model) sent.emplace_back("--model=MODEL");
+  if (web.settings == Settings::model) sent.emplace_back("--module=MODEL");
   for (const std::string& word : sent) expect_option(*command, word);
   expect_fields(web, *command);
 }

@@ -8,33 +8,22 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/app/reference_command.hpp"
 #include "canopus/cli/app/users_command.hpp"
-#include "canopus/cli/app/version.hpp"
-#include "canopus/cli/bus/bench_command.hpp"
 #include "canopus/cli/bus/bus_command.hpp"
-#include "canopus/cli/bus/device_command.hpp"
-#include "canopus/cli/bus/gateway_command.hpp"
-#include "canopus/cli/bus/lss_command.hpp"
-#include "canopus/cli/bus/master_command.hpp"
-#include "canopus/cli/bus/nmt_command.hpp"
 #include "canopus/cli/bus/scan_command.hpp"
-#include "canopus/cli/bus/sdo_command.hpp"
+#include "canopus/cli/campaign/campaign_command.hpp"
 #include "canopus/cli/files/check_command.hpp"
 #include "canopus/cli/files/eds_command.hpp"
 #include "canopus/cli/module_settings/configure_command.hpp"
 #include "canopus/cli/network_project/project_command.hpp"
+#include "canopus/cli/new/new_command.hpp"
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/options/parser.hpp"
 #include "canopus/cli/output/print.hpp"
 #include "canopus/cli/plc/module_command.hpp"
-#include "canopus/cli/plc/plc_command.hpp"
-#include "canopus/cli/run/run_command.hpp"
-#include "canopus/cli/run/web_command.hpp"
-#include "canopus/cli/trace/replay_command.hpp"
-#include "canopus/cli/trace/trace_analysis.hpp"
-#include "canopus/cli/trace/trace_command.hpp"
 #include "canopus/text/nearest_word.hpp"
+#include "canopus/text/version.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -89,7 +78,7 @@ std::optional<std::string> unknown_word(Named chain) {
       return fmt::format("unknown command \"{}\"{}", *word, suggestion_of(*word, commands));
     }
     if (option != left_over.end()) return unknown_option(*option, chain, level);
-    return fmt::format("\"{}\" is one word too many", *word);
+    return fmt::format("unexpected argument \"{}\"", *word);
   }
   return std::nullopt;
 }
@@ -130,12 +119,15 @@ int explain(Command& program, const Parsing& parsing) {
 }  // namespace
 
 void add_commands(Command& app, int& code) {
-  app.set_version_flag("-V,--version", std::string("canopus ") + version());
+  app.set_version_flag("-V,--version", std::string("canopus ") + text::program_version());
   app.require_subcommand(1);
-  app.footer("`canopus COMMAND --help` says more about a command.");
+  app.footer("`canopus COMMAND --help` describes a command.");
   add_run_command(app, code);
   add_web_command(app, code);
   add_check_command(app, code);
+  add_new_command(app, code);
+  add_campaign_command(app, code);
+  add_schema_command(app, code);
   add_plc_command(app, code);
   add_device_command(app, code);
   add_eds_command(app, code);
@@ -143,22 +135,26 @@ void add_commands(Command& app, int& code) {
   add_scan_command(app, code);
   add_sdo_command(app, code);
   add_nmt_command(app, code);
-  add_gateway_command(app, code, version());
+  add_gateway_command(app, code, text::program_version());
   add_lss_command(app, code);
   add_master_command(app, code);
-  app.add_subcommand("trace", "Look into traces of CAN buses, convert and compare them",
-                     [&code](Command& trace) {
-                       trace.require_subcommand(1);
-                       add_trace_files(trace, code);
-                       add_trace_analysis(trace, code);
-                     });
+  app.add_subcommand("trace", "Decode, convert and compare traces of CAN buses", [&code](Command& trace) {
+    trace.require_subcommand(1);
+    add_trace_info(trace, code);
+    add_trace_convert(trace, code);
+    add_trace_diff(trace, code);
+    add_trace_show(trace, code);
+    add_trace_stats(trace, code);
+    add_trace_plot(trace, code);
+    add_trace_export(trace, code);
+  });
   add_monitor_command(app, code);
   add_replay_command(app, code);
   add_bench_command(app, code);
   add_configure_command(app, code);
   add_project_command(app, code);
   add_users_command(app, code);
-  add_reference_commands(app, code, version());
+  add_reference_commands(app, code, text::program_version());
 }
 
 int run_command_line(std::span<const std::string> words) {
@@ -171,7 +167,7 @@ int run_command_line(std::span<const std::string> words) {
     asked.erase(asked.begin());
     asked.emplace_back("--help");
   }
-  const Parsing parsing = parse_words(app, asked);
+  const Parsing parsing = parse_words(app, asked, [](std::string_view hint) { print_error("{}", hint); });
   return parsing.result == Parsing::Result::ran ? code : explain(app, parsing);
 }
 

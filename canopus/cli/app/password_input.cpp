@@ -54,7 +54,7 @@ std::expected<std::optional<std::string>, std::string> read_line() {
   return line;
 }
 
-std::expected<std::string, std::string> ask(const std::string& sentence) {
+std::expected<std::string, std::string> prompt(const std::string& sentence) {
   if (!sentence.empty()) print_error("{}", sentence);
   auto line = read_line();
   if (!line) return std::unexpected("the password cannot be read: " + line.error());
@@ -65,11 +65,11 @@ std::expected<std::string, std::string> ask(const std::string& sentence) {
 }  // namespace
 
 std::expected<std::string, std::string> read_password(const std::string& user) {
-  if (::isatty(STDIN_FILENO) == 0) return ask({});
+  if (::isatty(STDIN_FILENO) == 0) return prompt({});
   const Silence silence;
-  auto first = ask("Password of " + user + " (it is not shown):");
+  auto first = prompt("Password of " + user + " (it is not shown):");
   if (!first) return first;
-  const auto second = ask("The same again:");
+  const auto second = prompt("The same again:");
   if (!second) return second;
   if (*first != *second) return std::unexpected(std::string("the two passwords are not the same"));
   return first;

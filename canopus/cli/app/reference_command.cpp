@@ -1,5 +1,3 @@
-#include "canopus/cli/app/reference_command.hpp"
-
 #include <memory>
 #include <string>
 
@@ -7,6 +5,7 @@
 #include "canopus/cli/app/manual_page.hpp"
 #include "canopus/cli/bus/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/output/print.hpp"
 #include "canopus/text/nearest_word.hpp"
@@ -86,7 +85,7 @@ void add_reference_commands(Command& app, int& code, std::string_view version) {
   app.add_subcommand("completion", "Print the completion of commands and options for a shell",
                      [&app](Command& command) { build_completion_command(command, app); });
   app.add_subcommand(
-      "reference", "Print pages about all commands, for packages and sites",
+      "reference", "Print the reference of all commands, for packages and sites",
       [&app, &code, version](Command& reference) { build_reference_command(reference, app, code, version); });
 }
 

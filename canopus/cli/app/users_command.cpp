@@ -185,7 +185,7 @@ void build_users_command(Command& users, int& exit_code) {
 }  // namespace
 
 void add_users_command(Command& app, int& exit_code) {
-  app.add_subcommand("web-users", "Users of the page in the browser: who they are and what they may do",
+  app.add_subcommand("web-users", "Users of the page in the browser: names, passwords and roles",
                      [&exit_code](Command& users) { build_users_command(users, exit_code); });
 }
 

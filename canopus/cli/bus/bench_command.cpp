@@ -1,5 +1,3 @@
-#include "canopus/cli/bus/bench_command.hpp"
-
 #include <memory>
 #include <string>
 
@@ -7,6 +5,7 @@
 
 #include "canopus/cli/bus/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/options/real_time_option.hpp"
 #include "canopus/serve/jitter.hpp"
@@ -173,7 +172,7 @@ void build_bench_command(Command& bench, int& exit_code) {
 }  // namespace
 
 void add_bench_command(Command& app, int& exit_code) {
-  app.add_subcommand("bench", "Measure this machine",
+  app.add_subcommand("bench", "Measure the real-time accuracy of this PC",
                      [&exit_code](Command& bench) { build_bench_command(bench, exit_code); });
 }
 

@@ -6,13 +6,17 @@
 
 namespace canopus::cli {
 
-void add_bus_options(Command& command, BusOptions& options, const char* time_out, bool with_json) {
+void add_bus_option(Command& command, std::string& bus) {
   command
-      .add_option("--bus", options.bus,
+      .add_option("--bus", bus,
                   "socketcand:HOST:PORT/BUS (the name is not needed with canopus run), socketcan:INTERFACE, "
                   "slcan:DEVICE@BITRATE, udp-multicast:GROUP:PORT or cannelloni:HOST:PORT")
       ->type_name("ADDRESS")
       ->capture_default_str();
+}
+
+void add_bus_options(Command& command, BusOptions& options, const char* time_out, bool with_json) {
+  add_bus_option(command, options.bus);
   command.add_option("--timeout", options.time_out, time_out)->type_name("TIME")->capture_default_str();
   if (with_json) command.add_flag("--json", options.json, "Print JSON, one object per line");
 }

@@ -30,6 +30,8 @@ struct BusOptions {
   bool json = false;
 };
 
+/// --bus
+void add_bus_option(Command& command, std::string& bus);
 /// --bus and --timeout (`time_out` is its help text), and --json where `with_json`.
 void add_bus_options(Command& command, BusOptions& options, const char* time_out, bool with_json = true);
 

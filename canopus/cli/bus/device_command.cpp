@@ -1,5 +1,3 @@
-#include "canopus/cli/bus/device_command.hpp"
-
 #include <functional>
 #include <memory>
 
@@ -7,9 +5,10 @@
 
 #include "canopus/cli/bus/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
-#include "canopus/cli/output/json_fields.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/output/print.hpp"
 #include "canopus/client/control_client.hpp"
+#include "canopus/text/json_fields.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
@@ -65,7 +64,7 @@ void print_devices(const Json& answer) {
   }
 }
 
-int ask(const DeviceArguments& arguments, const Json& request) {
+int request_and_print(const DeviceArguments& arguments, const Json& request) {
   const auto complain = [](int code, const std::string& what) {
     print_error("canopus: {}", what);
     return code;
@@ -78,10 +77,11 @@ int ask(const DeviceArguments& arguments, const Json& request) {
     if (const auto hold = text::parse_duration(arguments.hold); !hold)
       return complain(exit_code::usage, "--for: " + hold.error());
   }
-  const auto answer = client::ask_control({.host = place->host,
-                                           .port = place->port,
-                                           .timeout = std::chrono::ceil<std::chrono::milliseconds>(*timeout)},
-                                          request);
+  const auto answer =
+      client::request_control({.host = place->host,
+                               .port = place->port,
+                               .timeout = std::chrono::ceil<std::chrono::milliseconds>(*timeout)},
+                              request);
   if (!answer) return complain(exit_code::failed, answer.error());
   if (arguments.json) {
     print_json(*answer);
@@ -109,7 +109,7 @@ void build_device_command(Command& device, int& exit_code) {
   const auto add = [&](const char* name, const char* help,
                        std::function<Json(const DeviceArguments&)> request) {
     Command& command = *device.add_subcommand(name, help);
-    command.add_option("--at", arguments->at, "where the plant can be controlled")
+    command.add_option("--at", arguments->at, "control server of the plant")
         ->type_name("HOST:PORT")
         ->capture_default_str();
     command.add_option("--timeout", arguments->timeout, "to connect, and for the answer")
@@ -117,7 +117,7 @@ void build_device_command(Command& device, int& exit_code) {
     command.add_flag("--json", arguments->json, "The answer as one JSON object");
     // The shared pointer keeps the arguments as long as the command.
     command.callback([arguments, &exit_code, request = std::move(request)] {
-      exit_code = ask(*arguments, request(*arguments));
+      exit_code = request_and_print(*arguments, request(*arguments));
     });
     return &command;
   };
@@ -157,7 +157,7 @@ void build_device_command(Command& device, int& exit_code) {
   add_name(*releasing);
   add_object(*releasing, false);
 
-  add("list", "Show the devices, and what is forced", [](const DeviceArguments&) {
+  add("list", "List the devices and their forced values", [](const DeviceArguments&) {
     return Json{{"request", "list"}};
   });
 }

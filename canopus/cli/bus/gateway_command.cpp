@@ -1,5 +1,3 @@
-#include "canopus/cli/bus/gateway_command.hpp"
-
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,6 +8,7 @@
 
 #include "canopus/cli/bus/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/client/gateway/gateway_server.hpp"
 #include "canopus/text/text_values.hpp"
 
@@ -24,7 +23,7 @@ struct GatewayArguments {
 };
 
 /// Reports a change of the controller's error state to the gateway's clients.
-void tell(client::Gateway& gateway, can::ErrorState& before, can::ErrorState now) {
+void report_state(client::Gateway& gateway, can::ErrorState& before, can::ErrorState now) {
   if (now == before) return;
   before = now;
   if (now == can::ErrorState::error_passive) gateway.controller_error(client::GatewayError::error_passive);
@@ -41,8 +40,9 @@ void report_if_it_fits(std::string_view source, std::string_view sentence) {
 int serve(const GatewayArguments& arguments, const char* version) {
   const unsigned node = arguments.node.empty() ? 0 : parse_node(arguments.node);
   if (!arguments.node.empty() && node == 0) {
-    return complain(exit_code::usage,
-                    fmt::format("--node: \"{}\" is not a node; expected a node-ID 1 to 127", arguments.node));
+    return complain(
+        exit_code::usage,
+        fmt::format("--node-id: \"{}\" is not a node; expected a node-ID 1 to 127", arguments.node));
   }
   const auto place = text::parse_host_and_port(arguments.listen);
   if (!place) return complain(exit_code::usage, "--listen: " + place.error());
@@ -73,7 +73,7 @@ int serve(const GatewayArguments& arguments, const char* version) {
         }
         can::ErrorState state = can::ErrorState::error_active;
         bus.set_status_listener(
-            [&](const link::ControllerStatus& status) { tell(gateway, state, status.state); });
+            [&](const link::ControllerStatus& status) { report_state(gateway, state, status.state); });
         bus.add(server);
         print_line("gateway on {}:{}", place->host, server.port());
         const auto end = bus.run([] { return false; });
@@ -87,12 +87,13 @@ int serve(const GatewayArguments& arguments, const char* version) {
 void build_gateway_command(Command& command, int& exit_code, const char* version) {
   const auto arguments = std::make_shared<GatewayArguments>();
   add_bus_options(command, arguments->bus, "for joining the bus", false);
-  command.add_option("--listen", arguments->listen, "Where clients connect; port 0 takes a free one")
+  command.add_option("--listen", arguments->listen, "Address for clients; port 0 for a free one")
       ->type_name("HOST:PORT")
       ->capture_default_str();
-  command.add_option("--node", arguments->node, "the gateway's own node-ID, for its heartbeat")
-      ->type_name("NODE");
-  command.add_option("--allow", arguments->allowed, "an address or network whose machines may connect, too")
+  command.add_option("--node-id", arguments->node, "the gateway's own node-ID, for its heartbeat")
+      ->type_name("1-127");
+  command.add_old_spelling({.old = "--node", .now = "--node-id"});
+  command.add_option("--allow", arguments->allowed, "an address or network that may connect, too")
       ->type_name("NETWORK");
   command.footer(
       "Commands and answers: docs/gateway.md. Exit code: 0 ended by Ctrl-C or SIGTERM, 1 no bus or no port,\n"
@@ -104,7 +105,7 @@ void build_gateway_command(Command& command, int& exit_code, const char* version
 
 void add_gateway_command(Command& app, int& exit_code, const char* version) {
   app.add_subcommand(
-      "gateway", "Give a bus to clients over TCP, in the ASCII of CiA 309-3",
+      "gateway", "Connect clients to a bus over TCP, in the ASCII of CiA 309-3",
       [&exit_code, version](Command& command) { build_gateway_command(command, exit_code, version); });
 }
 

@@ -1,5 +1,3 @@
-#include "canopus/cli/bus/lss_command.hpp"
-
 #include <functional>
 #include <memory>
 #include <optional>
@@ -7,9 +5,8 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/bus/lss_device.hpp"
-#include "canopus/cli/bus/lss_rate_search.hpp"
-#include "canopus/cli/bus/lss_scan.hpp"
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"
@@ -89,6 +86,31 @@ int inquire(const LssArguments& arguments) {
   });
 }
 
+/// Selects the only device without a node-ID, as far as fastscan finds one: several would get the same node-ID.
+/// An exit code.
+int select_unconfigured(LssOnBus& on_bus, const BusLoop& bus, const std::string& node) {
+  const auto found = [&] {
+    return on_bus.service([](auto& master, can::Time now) { return master.fastscan(now); });
+  };
+  const auto first = found();
+  if (!first) return complain_of(on_bus.end(), bus, "");
+  if (first == LssResult::silence) {  // it has a node-ID, or does not know fastscan
+    return judge(on_bus, bus,
+                 on_bus.service([](auto& master, can::Time now) { return master.switch_global(true, now); }),
+                 selecting);
+  }
+  if (*first != LssResult::done) return judge(on_bus, bus, first, selecting);
+  const auto second = found();
+  if (!second) return complain_of(on_bus.end(), bus, "");
+  if (second == LssResult::silence) return exit_code::done;
+  return complain(
+      exit_code::failed,
+      fmt::format(
+          "more than one device without a node-ID: `canopus lss scan --assign {}` gives each its own; or "
+          "name one by --vendor, --product, --revision and --serial",
+          node));
+}
+
 int set_node(const LssArguments& arguments) {
   const bool none = arguments.node == "none";
   const auto node = none ? lss::unconfigured : static_cast<std::uint8_t>(parse_node(arguments.node));
@@ -96,13 +118,27 @@ int set_node(const LssArguments& arguments) {
     return complain(exit_code::usage,
                     fmt::format("\"{}\" is not a node-ID; expected 1 to 127, or none", arguments.node));
   }
-  return with_device(arguments, [&](LssOnBus& on_bus, BusLoop& bus) {
+  const auto set = [&](LssOnBus& on_bus, BusLoop& bus) {
     const int code = set_node_id(on_bus, bus, node, arguments.store);
     if (code == exit_code::done) {
-      show(arguments, {{"node", node}, {"stored", arguments.store}},
-           fmt::format("node-ID {} set{}", none ? "none" : arguments.node,
-                       arguments.store ? " and stored" : ""));
+      show(
+          arguments, {{"node", node}, {"stored", arguments.store}},
+          fmt::format(
+              "node-ID {} set{}; a device that had another one has it after a reset (`canopus nmt reset-comm "
+              "NODE` with the old node-ID)",
+              none ? "none" : arguments.node, arguments.store ? " and stored" : ""));
     }
+    return code;
+  };
+  const auto address = address_of(arguments);
+  if (none || (address && *address)) return with_device(arguments, set);
+  if (!address) return complain(exit_code::usage, address.error());
+  return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {
+    LssOnBus on_bus(bus, time_out);
+    all_to_waiting(on_bus);
+    int code = select_unconfigured(on_bus, bus, arguments.node);
+    if (code == exit_code::done) code = set(on_bus, bus);
+    all_to_waiting(on_bus);
     return code;
   });
 }
@@ -225,9 +261,8 @@ void build_lss_command(Command& command, int& exit_code) {
 
   Command* sub = add("scan", "Find all devices without a node-ID (fastscan)", lss_scan,
                      "for each answer; a device takes 133 of them, in a slow scan 65");
-  sub->add_option("--assign", arguments->assign, "give them node-IDs from this one on, as they are found")
-      ->type_name("NODE");
-  sub->add_flag("--store", arguments->store, "and have them keep it");
+  sub->add_option("--assign", arguments->assign, "assign node-IDs from this one on")->type_name("1-127");
+  sub->add_flag("--store", arguments->store, "and store them in the devices");
   sub->add_option("--vendor", arguments->vendor, "slow scan: vendor-ID, 405, 0x195 or 195H")
       ->type_name("U32");
   sub->add_option("--product", arguments->product, "slow scan: product code")->type_name("U32");
@@ -240,15 +275,15 @@ void build_lss_command(Command& command, int& exit_code) {
   add_address_options(*sub, *arguments);
 
   sub = add("search",
-            "Find a device at whatever bit rate, and give it a node-ID and the bit rate of this network",
+            "Find a device at an unknown bit rate, and assign a node-ID and the bit rate of this network",
             lss_rate_search);
-  sub->add_option("NODE", arguments->node, "node-ID for it, 1 to 127")->required();
+  sub->add_option("NODE-ID", arguments->node, "for it, 1 to 127")->required();
   add_address_options(*sub, *arguments);
-  sub->add_option("--bit-rate", arguments->rate, "of this network, where the bus does not tell it: 125k")
+  sub->add_option("--bit-rate", arguments->rate, "of this network, if the bus does not report it: 125k")
       ->type_name("RATE");
   sub->footer(
       "Without an address the first device without a node-ID is taken. It keeps both.\n"
-      "Meanwhile our controller is at other bit rates: other nodes of the network hear errors, and may go "
+      "Meanwhile our controller is at other bit rates: other nodes of the network detect errors, and may go "
       "bus-off. Stop its master\n"
       "and its traffic before. SocketCAN wants the right to set up the interface, socketcand a server that "
       "can do it: canopus run.");
@@ -258,11 +293,13 @@ void build_lss_command(Command& command, int& exit_code) {
   sub->footer(one_device);
 
   sub = add("set-node", "Give one device its node-ID", set_node);
-  sub->add_option("NODE", arguments->node, "node-ID, 1 to 127; none takes it away (at the next reset)")
-      ->required();
+  sub->add_option("NODE-ID", arguments->node, "1 to 127; none removes it (at the next reset)")->required();
   add_address_options(*sub, *arguments);
-  sub->add_flag("--store", arguments->store, "have the device keep it");
-  sub->footer(one_device);
+  sub->add_flag("--store", arguments->store, "store it in the device");
+  sub->footer(
+      "Without an address the device must be the only one on the bus without a node-ID (two fastscans check "
+      "that),\n"
+      "or the only one that knows LSS.");
 
   sub = add("set-rate", "Set the bit rate of one device, or of all", set_rate);
   sub->add_option("RATE", arguments->rate, "bit/s: 1M, 800k, 500k, 250k, 125k, 50k, 20k or 10k")->required();

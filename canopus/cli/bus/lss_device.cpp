@@ -7,6 +7,7 @@
 #include "canopus/ascii/number.hpp"
 #include "canopus/can/little_endian.hpp"
 #include "canopus/client/sdo_value.hpp"
+#include "canopus/text/bit_rate.hpp"
 
 namespace canopus::cli {
 
@@ -66,16 +67,10 @@ int set_node_id(LssOnBus& on_bus, const BusLoop& bus, std::uint8_t node, bool st
 }
 
 std::expected<std::uint32_t, std::string> parse_lss_bit_rate(std::string_view text) {
-  std::string_view digits = text;
-  std::uint32_t factor = 1;
-  if (digits.ends_with('k') || digits.ends_with('M')) {
-    factor = digits.back() == 'k' ? 1000 : 1'000'000;
-    digits.remove_suffix(1);
-  }
-  const auto value = ascii::parse_number<std::uint32_t>(digits);
-  if (value && *value <= 1'000'000 / factor && lss::bit_rate_index(*value * factor)) return *value * factor;
-  return std::unexpected(fmt::format(
-      "\"{}\" is not a bit rate of LSS; expected 1M, 800k, 500k, 250k, 125k, 50k, 20k or 10k", text));
+  auto bit_rate = text::parse_bit_rate(text, lss::bit_rates);
+  if (!bit_rate)
+    return std::unexpected(fmt::format("\"{}\" is not a bit rate of LSS; {}", text, bit_rate.error()));
+  return bit_rate;
 }
 
 std::expected<std::optional<std::uint32_t>, std::string> u32(const std::string& word, std::string_view name) {
@@ -101,7 +96,10 @@ std::expected<std::optional<LssAddress>, std::string> address_of(const LssArgume
   }
   if (given == 0) return std::nullopt;
   if (given == 4) return address;
-  return std::unexpected("an LSS address has four parts: --vendor, --product, --revision and --serial");
+  return std::unexpected(
+      "an LSS address has four parts: --vendor, --product, --revision and --serial; `canopus lss scan` shows "
+      "them "
+      "of devices without a node-ID");
 }
 
 }  // namespace canopus::cli

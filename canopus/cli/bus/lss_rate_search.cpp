@@ -1,5 +1,3 @@
-#include "canopus/cli/bus/lss_rate_search.hpp"
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -10,6 +8,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/cli/bus/lss_device.hpp"
 #include "canopus/lss/lss_search.hpp"
 
 namespace canopus::cli {

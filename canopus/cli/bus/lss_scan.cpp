@@ -1,5 +1,3 @@
-#include "canopus/cli/bus/lss_scan.hpp"
-
 #include <algorithm>
 #include <chrono>
 #include <optional>
@@ -9,6 +7,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/ascii/counted.hpp"
+#include "canopus/cli/bus/lss_device.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
@@ -206,7 +206,7 @@ int lss_scan(const LssArguments& arguments) {
       return complain(exit_code::failed, arguments.slow ? "no device of this vendor and product answers"
                                                         : "no device without a node-ID answers");
     }
-    if (!arguments.bus.json) print_line("{} device{} found", search.count(), search.count() == 1 ? "" : "s");
+    if (!arguments.bus.json) print_line("{} found", ascii::counted(search.count(), "device"));
     return exit_code::done;
   });
 }

@@ -1,13 +1,15 @@
-#include "canopus/cli/bus/master_command.hpp"
-
+#include <filesystem>
 #include <memory>
 #include <optional>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/cli/bus/bus_command.hpp"
+#include "canopus/cli/files/given_file.hpp"
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/master/network_master.hpp"
 #include "canopus/plant/events/boot_report.hpp"
 #include "canopus/text/file_text.hpp"
@@ -77,7 +79,7 @@ class Printer final : public master::NetworkObserver {
   }
   void error_control_resolved(const master::NetworkSlave& slave, can::Time now) override {
     if (json_) return event("heard again", slave, now, {});
-    line(slave, now, "is heard again", "32");
+    line(slave, now, "is back", "32");
   }
 
   void master_changed(bool is_own, std::uint8_t master, can::Time now) override {
@@ -115,7 +117,7 @@ class Printer final : public master::NetworkObserver {
     } else if (stands_by) {
       print_line("{}", describe_master(false, master.active_master()));
     } else {
-      print_line("{} of {} slaves booted", booted, network.slaves().size());
+      print_line("{} of {} booted", booted, ascii::counted(network.slaves().size(), "slave"));
     }
     return good;
   }
@@ -185,8 +187,16 @@ class Printer final : public master::NetworkObserver {
 
 std::optional<master::NetworkFile> read_network_file(const std::string& path) {
   master::NetworkReading reading;
-  if (path.ends_with(".cpj") || path.ends_with(".CPJ")) {
-    reading = master::read_project(path);
+  const FileKind kind = kind_of_file(path);
+  if (kind != FileKind::network && kind != FileKind::project && kind != FileKind::unknown) {
+    complain(exit_code::usage, describe_given_file(path, kind));
+    return std::nullopt;
+  }
+  if (kind == FileKind::project) {
+    std::error_code ignored;
+    const bool is_folder = std::filesystem::is_directory(path, ignored);
+    reading =
+        master::read_project(is_folder ? (std::filesystem::path(path) / "nodelist.cpj").string() : path);
   } else {
     const auto text = text::read_file(path);
     if (!text) {
@@ -249,10 +259,10 @@ int boot(const MasterArguments& arguments) {
 void build_master_command(Command& command, int& exit_code) {
   const auto arguments = std::make_shared<MasterArguments>();
   command
-      .add_option("--dcf", arguments->network,
-                  "Network file (TOML, see docs/commands.md), or a project's nodelist.cpj")
-      ->type_name("FILE")
+      .add_option("FILE", arguments->network,
+                  "Network file (TOML, see docs/commands.md), or a project: its folder, or its nodelist.cpj")
       ->required();
+  command.add_old_spelling({.old = "--dcf", .now = ""});
   command.add_flag("--stay", arguments->stay, "Stay the network's master, until Ctrl-C or the end of --for");
   command.add_option("--for", arguments->duration, "End after this time, for example 10s")->type_name("TIME");
   auto* quiet = command.add_flag("-q,--quiet", arguments->quiet, "Print failures and the last line alone");
@@ -262,7 +272,8 @@ void build_master_command(Command& command, int& exit_code) {
       "Without --stay it ends when the start-up is over; the slaves stay as they are.\n"
       "Exit code: 0 all mandatory slaves booted and no slave failed, 1 some did not, or no bus, 2 wrong file "
       "or "
-      "usage.");
+      "usage.\n"
+      "Example: canopus master network.toml --bus socketcan:can0");
   command.callback([arguments, &exit_code] { exit_code = boot(*arguments); });
 }
 

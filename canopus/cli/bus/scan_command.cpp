@@ -1,11 +1,14 @@
 #include "canopus/cli/bus/scan_command.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/cli/bus/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/text/json.hpp"
@@ -15,6 +18,7 @@ namespace {
 
 struct ScanArguments {
   BusOptions bus;
+  NodeNamesOptions names;
   std::string nodes = "1-127";
 };
 
@@ -53,17 +57,22 @@ BusLoop::End run_scan(BusLoop& bus, client::BusScan& scan) {
 int scan(const ScanArguments& arguments) {
   const auto range = parse_node_range(arguments.nodes);
   if (!range) return complain(exit_code::usage, range.error());
+  const auto names = load_node_names(with_plant_of_bus(arguments.names, arguments.bus.bus));
+  if (!names) return names.error().empty() ? exit_code::usage : complain(exit_code::usage, names.error());
+  const auto address = link::parse_bus_address(arguments.bus.bus);
+  const NamesOfNodes known = names_on_channel(*names, address ? address->bus : "");
   return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {
     std::vector<client::FoundNode> nodes;
     const int code = scan_bus(bus, *range, time_out, nodes);
     if (arguments.bus.json) {
-      for (const client::FoundNode& node : nodes) print_json(scan_json(node));
+      for (const client::FoundNode& node : nodes) print_json(scan_json(node, known));
     } else if (!nodes.empty()) {
-      for (const Line& line : scan_table(nodes, wants_colour(STDOUT_FILENO))) standard_output().line(line);
+      for (const Line& line : scan_table(nodes, wants_colour(STDOUT_FILENO), known))
+        standard_output().line(line);
     }
     if (code != exit_code::done) return code;
     if (nodes.empty()) return complain(exit_code::failed, "no node answers");
-    if (!arguments.bus.json) print_line("{} node{} found", nodes.size(), nodes.size() == 1 ? "" : "s");
+    if (!arguments.bus.json) print_line("{} found", ascii::counted(nodes.size(), "node"));
     return exit_code::done;
   });
 }
@@ -89,22 +98,36 @@ int scan_bus(BusLoop& bus, NodeRange range, can::Duration time_out, std::vector<
   return end == BusLoop::End::done ? exit_code::done : complain_of(end, bus, "");
 }
 
-std::vector<Line> scan_table(const std::vector<client::FoundNode>& nodes, bool colour) {
+NamesOfNodes names_on_channel(const trace::Names& names, std::string_view bus) {
+  NamesOfNodes known;
+  for (const trace::NodeDescription* node : names.on_channel(bus)) {
+    if (!node->name.empty()) known[node->node_id] = node->name;
+  }
+  return known;
+}
+
+std::vector<Line> scan_table(const std::vector<client::FoundNode>& nodes, bool colour,
+                             const NamesOfNodes& names) {
   std::vector<Line> lines;
+  std::size_t width = 4;
+  for (const auto& [node, name] : names) width = std::max(width, name.size());
   lines.push_back(Line("{:>4}  {:<15}  {:<8}  {:<8}  {:<8}  {:<8}  {:<8}  {}", "node", "state", "type",
-                       "vendor", "product", "revision", "serial", "name"));
+                       "vendor", "product", "revision", "serial", names.empty() ? "name" : ""));
+  if (!names.empty()) lines.back().add("{:<{}}  device name", "name", width);
   for (const client::FoundNode& node : nodes) {
     const std::string state = fmt::format("{:<15}", node.state ? canopen::name(*node.state) : "unknown");
-    lines.push_back(Line("{:>4}  {}  {:<8}  {:<8}  {:<8}  {:<8}  {:<8}  {}", node.node_id,
-                         paint(state, colour_of(node.state), colour), number(node.device_type),
-                         number(node.vendor), number(node.product), number(node.revision),
-                         number(node.serial),
-                         node.answers_sdo ? node.name.value_or("-") : "(no SDO answer)"));
+    Line line("{:>4}  {}  {:<8}  {:<8}  {:<8}  {:<8}  {:<8}  ", node.node_id,
+              paint(state, colour_of(node.state), colour), number(node.device_type), number(node.vendor),
+              number(node.product), number(node.revision), number(node.serial));
+    const auto name = names.find(node.node_id);
+    if (!names.empty()) line.add("{:<{}}  ", name == names.end() ? "-" : name->second, width);
+    line.add("{}", node.answers_sdo ? node.name.value_or("-") : "(no SDO answer)");
+    lines.push_back(std::move(line));
   }
   return lines;
 }
 
-text::Json scan_json(const client::FoundNode& node) {
+text::Json scan_json(const client::FoundNode& node, const NamesOfNodes& names) {
   text::Json line;
   line["node"] = node.node_id;
   line["answers_sdo"] = node.answers_sdo;
@@ -115,6 +138,7 @@ text::Json scan_json(const client::FoundNode& node) {
   if (node.revision) line["revision"] = *node.revision;
   if (node.serial) line["serial"] = *node.serial;
   if (node.name) line["name"] = *node.name;
+  if (const auto name = names.find(node.node_id); name != names.end()) line["node_name"] = name->second;
   if (node.heartbeat_ms) line["heartbeat_ms"] = *node.heartbeat_ms;
   if (node.guard_ms) line["guard_ms"] = *node.guard_ms;
   return line;
@@ -123,8 +147,8 @@ text::Json scan_json(const client::FoundNode& node) {
 std::string scan_progress(unsigned asked, unsigned of, std::size_t found) {
   constexpr unsigned width = 30;
   const unsigned full = of == 0 ? width : asked * width / of;
-  return fmt::format("[{:#<{}}{:-<{}}] {:>3} of {} nodes asked, {} found", "", full, "", width - full, asked,
-                     of, found);
+  return fmt::format("[{:#<{}}{:-<{}}] {:>3} of {} asked, {} found", "", full, "", width - full, asked,
+                     ascii::counted(of, "node"), found);
 }
 
 namespace {
@@ -135,9 +159,12 @@ void build_scan_command(Command& command, int& exit_code) {
   command.add_option("--nodes", arguments->nodes, "only these node-IDs, for example 1-32")
       ->type_name("FIRST-LAST")
       ->capture_default_str();
+  add_node_names_options(command, arguments->names, "names of nodes");
   add_bus_options(command, arguments->bus, "for each answer of a node");
   command.footer(
       "Every node is asked over its default SDO channel; no other client should be using it meanwhile.\n"
+      "Names of nodes come from the options, or from plant.toml of this folder if the bus is one of that "
+      "plant.\n"
       "Exit code: 0 nodes found, 1 none, or no bus, 2 wrong command line.");
   command.callback([arguments, &exit_code] { exit_code = scan(*arguments); });
 }

@@ -1,5 +1,3 @@
-#include "canopus/cli/bus/sdo_command.hpp"
-
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -11,10 +9,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/cli/bus/bus_command.hpp"
+#include "canopus/cli/bus/sdo_names.hpp"
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/output/device_names.hpp"
 #include "canopus/client/sdo_request.hpp"
 #include "canopus/client/sdo_transfer_on_bus.hpp"
@@ -34,7 +35,7 @@ struct SdoArguments {
   std::string type;
   std::string value;
   std::string file;
-  std::string eds;
+  SdoNamesOptions names;
   std::string limit = "16M";
   bool raw = false;
   bool block = false;
@@ -43,12 +44,12 @@ struct SdoArguments {
 using client::SdoTarget;
 
 std::expected<SdoTarget, std::string> target_of(const SdoArguments& arguments) {
-  auto target = SdoTarget::parse(arguments.node, arguments.object, arguments.type);
-  if (!target || arguments.eds.empty()) return target;
-  const auto device = device_file_of_names(arguments.eds);
-  if (!device) return std::unexpected("--eds: " + device.error());
-  target->names = (*device)->dictionary;
-  return target;
+  return find_sdo_target(arguments.names, arguments.node, arguments.object, arguments.type);
+}
+
+/// The mistakes of a file have been printed where there is no sentence.
+int complain_of_usage(const std::string& sentence) {
+  return sentence.empty() ? exit_code::usage : complain(exit_code::usage, sentence);
 }
 
 /// How fast it went; of what goes in one frame nobody asks.
@@ -70,8 +71,8 @@ class ProgressLine {
     if (bus_.now() < next_ || !is_terminal(STDERR_FILENO)) return;
     next_ = bus_.now() + std::chrono::milliseconds(100);
     shown_ = true;
-    show_progress(of == 0 ? Line("{} bytes", bytes)
-                          : Line("{} of {} bytes, {} %", bytes, of, bytes * 100 / of));
+    show_progress(of == 0 ? Line("{}", ascii::counted(bytes, "byte"))
+                          : Line("{} of {}, {} %", bytes, ascii::counted(of, "byte"), bytes * 100 / of));
   }
 
  private:
@@ -89,8 +90,11 @@ int failed(const SdoArguments& arguments, const SdoTarget& target, const client:
                   fmt::format("node {}, {}: {}", target.node, target.object_text(), failure.reason));
 }
 
-int print_value(const SdoArguments& arguments, const SdoTarget& target, std::span<const std::uint8_t> bytes,
+int print_value(const SdoArguments& arguments, const SdoTarget& target, std::span<const std::uint8_t> came,
                 const client::SdoSpeed& speed) {
+  const auto [bytes, remark] = client::value_of(came, speed, target.type);
+  if (!remark.empty() && !arguments.bus.json)
+    print_error("canopus: warning: node {}, {}: {}", target.node, target.object_text(), remark);
   if (arguments.raw) {
     standard_output().content({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     return exit_code::done;
@@ -105,31 +109,31 @@ int print_value(const SdoArguments& arguments, const SdoTarget& target, std::spa
       return complain(exit_code::failed,
                       fmt::format("cannot write {}: {}", arguments.file, std::strerror(reason)));
     }
-    print_line("{}  {} bytes in {}", target.object_text(), bytes.size(), arguments.file);
+    print_line("{}  {} in {}", target.object_text(), ascii::counted(bytes.size(), "byte"), arguments.file);
     print_speed(speed);
     return exit_code::done;
   }
   if (arguments.bus.json) {
-    print_json(client::row_of(target, bytes, speed));
+    print_json(client::row_of(target, came, speed));
     return exit_code::done;
   }
   if (client::is_domain(target, bytes)) {
     const auto lines = client::lines_of(client::words_of(target, bytes));
-    print_line("{}  {}", target.object_text(), lines.front());
+    print_line("{}  {}", target.object_title(), lines.front());
     for (const std::string& line : lines | std::views::drop(1)) print_line("{}", line);
     print_speed(speed);
     return exit_code::done;
   }
   if (!target.type) {
-    print_line("{}  {}", target.object_text(), client::show_bytes(bytes));
+    print_line("{}  {}", target.object_title(), client::show_bytes(bytes));
     return exit_code::done;
   }
-  const auto shown = client::show_value(bytes, *target.type);
+  const auto shown = client::show_value(target, bytes);
   if (!shown) {
     return complain(exit_code::failed,
                     fmt::format("node {}, {}: {}", target.node, target.object_text(), shown.error()));
   }
-  print_line("{}  {}", target.object_text(), *shown);
+  print_line("{}  {}", target.object_title(), *shown);
   return exit_code::done;
 }
 
@@ -145,7 +149,7 @@ std::expected<std::size_t, std::string> limit_of(const SdoArguments& arguments) 
 
 int read(const SdoArguments& arguments) {
   const auto target = target_of(arguments);
-  if (!target) return complain(exit_code::usage, target.error());
+  if (!target) return complain_of_usage(target.error());
   const auto limit = limit_of(arguments);
   if (!limit) return complain(exit_code::usage, limit.error());
   return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {
@@ -182,7 +186,7 @@ std::expected<std::vector<std::uint8_t>, std::string> bytes_to_write(const SdoAr
 
 int write(const SdoArguments& arguments) {
   const auto target = target_of(arguments);
-  if (!target) return complain(exit_code::usage, target.error());
+  if (!target) return complain_of_usage(target.error());
   const auto bytes = bytes_to_write(arguments, *target);
   if (!bytes) return complain(exit_code::usage, bytes.error());
   return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {
@@ -197,9 +201,9 @@ int write(const SdoArguments& arguments) {
     if (!result) return failed(arguments, *target, result.error());
     if (arguments.bus.json) return print_value(arguments, *target, *bytes, sdo.speed());
     if (bytes->size() > 16) {
-      print_line("{}  {} bytes written", target->object_text(), bytes->size());
+      print_line("{}  {} written", target->object_title(), ascii::counted(bytes->size(), "byte"));
     } else {
-      print_line("{}  {} written", target->object_text(), client::hexadecimal(*bytes));
+      print_line("{}  {} written", target->object_title(), client::hexadecimal(*bytes));
     }
     print_speed(sdo.speed());
     return exit_code::done;
@@ -210,13 +214,20 @@ void build_sdo_command(Command& sdo, int& exit_code) {
   const auto arguments = std::make_shared<SdoArguments>();
   sdo.require_subcommand(1);
   sdo.footer(
-      "Objects are written as in CiA documents, in hexadecimal: 1018:01, 1008 (sub-index 00H).\n"
+      "Objects are written as in CiA documents, in hexadecimal: 1018:01, 1008 (sub-index 00H), 0x6064, "
+      "6064H; with\n"
+      "--plant, --network, --project or --eds, or beside a plant.toml or nodelist.cpj, also by name, as "
+      "nodes "
+      "are.\n"
       "Exit code: 0 done, 1 the node aborted or does not answer, 2 wrong command line.");
   const auto add_common = [&](Command& command) {
-    command.add_option("NODE", arguments->node, "node-ID, 1 to 127")->required();
-    command.add_option("OBJECT", arguments->object, "INDEX[:SUB] in hexadecimal")->required();
-    command.add_option("--type", arguments->type, "type of the value: " + text::one_of(client::type_names()))
+    command.add_option("NODE", arguments->node, "node-ID, 1 to 127, or name, or BUS:NODE")->required();
+    command.add_option("OBJECT", arguments->object, "INDEX[:SUB] in hexadecimal, or name")->required();
+    command
+        .add_option("--type", arguments->type,
+                    "type of the value, in place of the device file's: " + text::one_of(client::type_names()))
         ->type_name("TYPE");
+    add_sdo_names_options(command, arguments->names);
     command.add_flag("--block", arguments->block,
                      "block transfer, whatever the size; a node that answers otherwise is a failure");
     add_bus_options(command, arguments->bus, "for each answer of the node");
@@ -229,16 +240,12 @@ void build_sdo_command(Command& sdo, int& exit_code) {
       ->type_name("SIZE")
       ->capture_default_str();
   reading->add_flag("--raw", arguments->raw, "put the bytes on the output as they are");
-  reading
-      ->add_option(
-          "--eds", arguments->eds,
-          "device file of the node that a concise DCF (1F22H) is for: names and types of its objects")
-      ->type_name("FILE");
   reading->footer(
       "A concise DCF (1F22H) is shown as the objects that it writes; a value of type domain, or a long one "
       "of no\n"
       "type, as its first 4096 bytes with the text in them; with the speed of the transfer.\n"
-      "Example: canopus sdo read 2 1018:01 --type u32");
+      "Examples: canopus sdo read 2 1018:01 --type u32\n"
+      "          canopus sdo read servo 'Position actual value' --plant plant.toml");
   reading->callback([arguments, &exit_code] { exit_code = read(*arguments); });
 
   Command* writing = sdo.add_subcommand("write", "Write an object (SDO download)");

@@ -10,8 +10,9 @@ namespace canopus::cli {
 class Command;
 
 struct CheckOptions {
-  std::string plant;    ///< path of the plant file
-  bool strict = false;  ///< warnings are mistakes, too
+  std::string plant;                ///< path of the plant file
+  bool strict = false;              ///< warnings are mistakes, too
+  bool allows_native_code = false;  ///< programs that are shared objects are loaded
 };
 
 /// Prints what is connected to what on `out`, mistakes and warnings on `err`. The exit code: 0 the plant can

@@ -8,9 +8,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/ascii/words.hpp"
 #include "canopus/cli/files/eds_show.hpp"
+#include "canopus/cli/files/given_file.hpp"
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/output/device_names.hpp"
 #include "canopus/cli/output/new_file.hpp"
 #include "canopus/cli/output/sigpipe.hpp"
@@ -29,6 +32,11 @@ using Severity = eds::Problem::Severity;
 
 /// The text, or nothing after an error on `err`.
 std::optional<std::string> read_text(const std::string& file, Output& err) {
+  if (const FileKind kind = kind_of_file(file);
+      kind == FileKind::plant || kind == FileKind::network || kind == FileKind::project) {
+    err.line("canopus: {}", describe_given_file(file, kind));
+    return std::nullopt;
+  }
   const auto text = file == "-" ? text::read_standard_input() : text::read_file_or_reason(file);
   if (text) return *text;
   err.line("canopus: {}: {}", file, text.error());
@@ -43,11 +51,8 @@ std::optional<std::string> read_bytes(const std::string& file, Output& err) {
   return std::nullopt;
 }
 
-std::string counted(std::size_t count, const std::string& what) {
-  return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
-}
-
 struct Counts {
+  std::size_t losses = 0;
   std::size_t warnings = 0;
   std::size_t notes = 0;
 };
@@ -55,6 +60,7 @@ struct Counts {
 Counts count(const std::vector<eds::Problem>& problems) {
   Counts counts;
   for (const eds::Problem& problem : problems) {
+    if (problem.severity == Severity::loss) ++counts.losses;
     if (problem.severity == Severity::warning) ++counts.warnings;
     if (problem.severity == Severity::note) ++counts.notes;
   }
@@ -62,7 +68,7 @@ Counts count(const std::vector<eds::Problem>& problems) {
 }
 
 void print_problem(Output& out, const std::string& file, const eds::Problem& problem, bool colour) {
-  const std::string_view severity_colour = problem.severity == Severity::error     ? "1;31"
+  const std::string_view severity_colour = problem.severity <= Severity::loss      ? "1;31"
                                            : problem.severity == Severity::warning ? "1;35"
                                                                                    : "1;36";
   const std::string place = problem.column == 0
@@ -75,7 +81,7 @@ void print_problem(Output& out, const std::string& file, const eds::Problem& pro
 void print_text(Output& out, const std::string& file, const eds::ReadResult& result,
                 const EdsCheckOptions& options) {
   for (const eds::Problem& problem : result.problems) {
-    if (!options.quiet || problem.severity == Severity::error) {
+    if (!options.quiet || problem.severity <= Severity::loss) {
       print_problem(out, file, problem, options.colour);
     }
   }
@@ -83,13 +89,15 @@ void print_text(Output& out, const std::string& file, const eds::ReadResult& res
     out.line("{}: refused", file);
     return;
   }
-  if (options.quiet) return;
+  if (options.quiet && !result.has_losses()) return;
   const Counts counts = count(result.problems);
   const eds::PdoCount pdos = eds::count_pdos(*result.file->dictionary);
-  Line line("{}: accepted, {}", file, counted(counts.warnings, "warning"));
-  if (counts.notes != 0) line.add(", {}", counted(counts.notes, "note"));
-  line.add(": {}, {}, {}", counted(result.file->dictionary->objects().size(), "object"),
-           counted(pdos.rpdos, "RPDO"), counted(pdos.tpdos, "TPDO"));
+  Line line("{}: accepted", file);
+  if (counts.losses != 0) line.add(" with losses, {}", ascii::counted(counts.losses, "loss"));
+  line.add(", {}", ascii::counted(counts.warnings, "warning"));
+  if (counts.notes != 0) line.add(", {}", ascii::counted(counts.notes, "note"));
+  line.add(": {}, {}, {}", ascii::counted(result.file->dictionary->objects().size(), "object"),
+           ascii::counted(pdos.rpdos, "RPDO"), ascii::counted(pdos.tpdos, "TPDO"));
   if (const auto type = identity(*result.file).device_type) line.add(", device type {:08X}H", *type);
   out.line(line);
 }
@@ -98,6 +106,7 @@ void print_as_json(Output& out, const std::string& file, const eds::ReadResult& 
   text::Json line;
   line["file"] = file;
   line["accepted"] = result.file != nullptr;
+  line["losses"] = count(result.problems).losses;
   if (result.file != nullptr) {
     const eds::PdoCount pdos = eds::count_pdos(*result.file->dictionary);
     const eds::Identity identity = eds::identity(*result.file);
@@ -126,6 +135,7 @@ void print_as_json(Output& out, const std::string& file, const eds::ReadResult& 
 }  // namespace
 
 int eds_check(const EdsCheckOptions& options, Output& out, Output& err) {
+  bool is_lossy = false;
   int exit_code = 0;
   for (const std::string& file : options.files) {
     const auto text = read_text(file, err);
@@ -141,8 +151,9 @@ int eds_check(const EdsCheckOptions& options, Output& out, Output& err) {
       print_text(out, shown, result, options);
     }
     if (result.file == nullptr && exit_code == 0) exit_code = 1;
+    is_lossy = is_lossy || result.has_losses();
   }
-  return exit_code;
+  return exit_code == 0 && is_lossy ? 3 : exit_code;
 }
 
 int eds_convert(const EdsConvertOptions& options, Output& out, Output& err) {
@@ -152,8 +163,10 @@ int eds_convert(const EdsConvertOptions& options, Output& out, Output& err) {
                                                               : extension.substr(1));
   const bool is_xdd = kind == "xdd" || kind == "xdc";
   if (!is_xdd && kind != "eds" && kind != "dcf") {
-    err.line("canopus: {}: what shall it be? expected a name that ends in .eds, .dcf, .xdd or .xdc, or --to",
-             options.to == "-" ? "standard output" : options.to);
+    err.line(
+        "canopus: {}: what shall it be? expected a name that ends in .eds, .dcf, .xdd or .xdc, or "
+        "--out-format",
+        options.to == "-" ? "standard output" : options.to);
     return 2;
   }
   const auto text = read_text(options.from, err);
@@ -198,12 +211,10 @@ void add_convert(Command& eds, int& exit_code) {
   convert->add_option("IN", options->from, "EDS, DCF, XDD or XDC file; - is the standard input")->required();
   convert->add_option("OUT", options->to, "File to write, by its extension; - is the standard output")
       ->required();
-  convert->add_option("--to", options->kind, "What to write, whatever OUT is called: eds, dcf, xdd or xdc")
-      ->type_name("TEXT:{eds,dcf,xdd,xdc}")
-      ->check([](const std::string& kind) {
-        const bool is_known = kind == "eds" || kind == "dcf" || kind == "xdd" || kind == "xdc";
-        return is_known ? std::string() : kind + " not in {eds,dcf,xdd,xdc}";
-      });
+  convert->add_option("--out-format", options->kind, "Format of OUT (default: from its extension)")
+      ->type_name("FORMAT")
+      ->check(one_of_words({"eds", "dcf", "xdd", "xdc"}));
+  convert->add_old_spelling({.old = "--to", .now = "--out-format"});
   convert->footer(
       "Objects, values, limits, access and names are kept. What the other format has no place for, and what\n"
       "the reader repaired, is a warning on the standard error. A file that is there is replaced, whole or\n"
@@ -272,17 +283,20 @@ void build_eds_command(Command& eds, int& exit_code) {
   eds.require_subcommand(1);
   add_convert(eds, exit_code);
   add_concise(eds, exit_code);
-  Command* check = eds.add_subcommand("check", "Say what is wrong with device files, worst first");
+  Command* check = eds.add_subcommand("check", "List the mistakes of device files, the worst first");
   const auto options = std::make_shared<EdsCheckOptions>();
   check->add_option("FILE", options->files, "EDS, DCF, XDD or XDC files; - is the standard input")
       ->required();
-  check->add_flag("-q,--quiet", options->quiet, "Print refused files only, with their errors");
+  check->add_flag("-q,--quiet", options->quiet,
+                  "Print files that are refused or accepted with losses only, and why");
   check->add_flag("--json", options->json, "Print one JSON object per file instead");
   check->footer(
-      "Each problem is a line FILE:LINE: SEVERITY: MESSAGE. A warning is something the reader repaired,\n"
-      "a note something unusual; neither keeps a file from being used.\n"
+      "Each problem is a line FILE:LINE: SEVERITY: MESSAGE. A loss is something that matters for\n"
+      "communication and was left out or replaced: an object, value, type, limit or mapping. A warning is\n"
+      "something the reader repaired, a note something unusual. Only an error keeps a file from being used.\n"
       "\n"
-      "Exit status: 0 all files accepted, 1 a file refused, 2 wrong usage or a file that cannot be read.\n"
+      "Exit status: 0 all files accepted, 1 a file refused, 2 wrong usage or a file that cannot be read,\n"
+      "3 none of these, but a file accepted with losses.\n"
       "Colour goes to terminals only; NO_COLOR switches it off.\n"
       "\n"
       "Example: canopus eds check devices/*.eds");
@@ -315,7 +329,7 @@ void build_eds_command(Command& eds, int& exit_code) {
 }  // namespace
 
 void add_eds_command(Command& app, int& exit_code) {
-  app.add_subcommand("eds", "Look into device description files (EDS, DCF, XDD, XDC)",
+  app.add_subcommand("eds", "Check, show and convert device files (EDS, DCF, XDD, XDC)",
                      [&exit_code](Command& eds) { build_eds_command(eds, exit_code); });
 }
 

@@ -13,13 +13,13 @@ class Command;
 
 struct EdsCheckOptions {
   std::vector<std::string> files;
-  bool quiet = false;   ///< only refused files' errors, no summary of accepted ones
+  bool quiet = false;   ///< only errors and losses, no summary of files without them
   bool json = false;    ///< one JSON object per line instead of text
   bool colour = false;  ///< severities in colour
 };
 
 /// Checks the files, prints to `out` (what cannot be opened: to `err`). Returns the exit code: 0 all files
-/// accepted, 1 at least one refused, 2 at least one could not be read.
+/// accepted, 1 at least one refused, 2 at least one could not be read, 3 none of these, but one with losses.
 int eds_check(const EdsCheckOptions& options, Output& out, Output& err);
 
 struct EdsConvertOptions {

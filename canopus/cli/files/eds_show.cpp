@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/eds/value.hpp"
@@ -145,7 +146,7 @@ std::string Sheet::default_text(const Entry& entry) const {
   if (canopen::is_variable_length(type)) {
     const auto& bytes = dictionary_.default_slot(entry.offset);
     if (bytes.empty()) return "-";
-    if (type != DataType::visible_string) return fmt::format("{} bytes", bytes.size());
+    if (type != DataType::visible_string) return ascii::counted(bytes.size(), "byte");
     return fmt::format("\"{}\"", std::string(bytes.begin(), bytes.end()));
   }
   const auto found = value(entry.index, entry.sub);
@@ -194,6 +195,7 @@ void Sheet::print_head(Output& out) const {
   print_cut(out, "product    ", device.product_name);
   print_cut(out, "vendor     ", device.vendor_name);
   if (!device.order_code.empty()) print_cut(out, "order code ", device.order_code);
+  if (!file_.file.description.empty()) print_cut(out, "about      ", file_.file.description);
   const eds::Identity identity = eds::identity(file_);
   const auto number = [](const std::optional<std::uint32_t>& value) {
     return value ? fmt::format("{:08X}H", *value) : std::string("-");
@@ -226,6 +228,11 @@ void Sheet::print(Output& out) const {
         fmt::format("{:<10} {:<14} {:<6} {}{} {:<9} ", object, eds::name(entry.type), eds::name(entry.access),
                     value, std::string(14 - text::columns_of(value), ' '), mappable(entry)),
         dictionary_.name(row.entry));
+    if (const eds::EntryFacts* facts = file_.find_facts(row.entry.index, row.entry.sub)) {
+      for (const std::string& text : {facts->object_description.text(), facts->description.text()}) {
+        if (!text.empty()) print_cut(out, std::string(11, ' '), text);
+      }
+    }
   }
   for (const Pdo& pdo : pdos()) {
     out.line("");
@@ -243,7 +250,8 @@ Json Sheet::json() const {
   const eds::Identity identity = eds::identity(file_);
   Json sheet{{"vendor", file_.device.vendor_name},
              {"product", file_.device.product_name},
-             {"order_code", file_.device.order_code}};
+             {"order_code", file_.device.order_code},
+             {"description", file_.file.description}};
   const auto add = [&](const char* key, const std::optional<std::uint32_t>& number) {
     if (number) sheet[key] = *number;
   };
@@ -272,6 +280,10 @@ Json Sheet::json() const {
     } else if (const auto found = value(row.entry.index, row.entry.sub)) {
       object["default"] = plant::json_value(entry.type, found->value);
       if (found->adds_node_id) object["adds_node_id"] = true;
+    }
+    if (const eds::EntryFacts* facts = file_.find_facts(row.entry.index, row.entry.sub)) {
+      if (!facts->description.empty()) object["description"] = facts->description.text();
+      if (!facts->object_description.empty()) object["object_description"] = facts->object_description.text();
     }
     sheet["objects"].push_back(std::move(object));
   }

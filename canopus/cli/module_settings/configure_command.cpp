@@ -23,11 +23,12 @@ std::string why_no_model(const std::string& name) {
 void add_model_option(Command& command, ConfigureArguments& arguments) {
   arguments.model = plant::configuration_tools().front()->model;
   command
-      .add_option("--model", arguments.model,
+      .add_option("--module", arguments.model,
                   "the module: " + module_settings::models_of(plant::configuration_tools()))
       ->type_name("MODEL")
       ->check(why_no_model)
       ->capture_default_str();
+  command.add_old_spelling({.old = "--model", .now = "--module"});
 }
 
 /// Adds a command; each has arguments of its own.
@@ -40,7 +41,10 @@ struct Adder {
     auto arguments = std::make_shared<ConfigureArguments>();
     Command* command = group.add_subcommand(name, help);
     command->callback([arguments, action, code = &exit_code] {
-      *code = run_ignoring_sigpipe([&] { return action(*arguments); });
+      *code = run_ignoring_sigpipe([&] {
+        const std::string wrong = resolve_node(*arguments);
+        return wrong.empty() ? action(*arguments) : configure_failed(configure_code::usage, wrong);
+      });
     });
     return {command, arguments};
   }
@@ -53,10 +57,11 @@ struct Adder {
     auto added = add(name, help, action);
     add_online_options(*added.first, *added.second);
     added.first
-        ->add_option("--model", added.second->model,
+        ->add_option("--module", added.second->model,
                      "the module, instead of the one that goes with the PLC's type")
         ->type_name("MODEL")
         ->check(why_no_model);
+    added.first->add_old_spelling({.old = "--model", .now = "--module"});
     added.first
         ->add_option("--project", added.second->file, "the module of this project: its model and its number")
         ->type_name("FILE");
@@ -64,6 +69,7 @@ struct Adder {
   }
   static void add_online_options(Command& command, ConfigureArguments& arguments) {
     add_connection_options(command, arguments.plc);
+    command.remove_option(command.get_option("--module"));  // of names of words, which no command here takes
     command
         .add_option("--number", arguments.module_number,
                     "the module: the number behind U, instead of the project's")
@@ -77,16 +83,17 @@ const std::vector<std::string_view> window_words{"basic",  "node",  "tpdo",     
 
 void add_transfer_options(Command& command, ConfigureArguments& arguments) {
   Adder::add_online_options(command, arguments);
-  command.add_option("--part", arguments.part, "what is transferred")
+  command.add_option("--part", arguments.part, "part to transfer")
       ->type_name("PART")
       ->check(one_of_words({"all", "basic", "tpdo", "rpdo", "nmt"}))
       ->capture_default_str();
   command.add_option("--pdos", arguments.pdos, "PDO area: all, 5- (starting from 5) or 3-8")
       ->type_name("AREA")
       ->capture_default_str();
-  command.add_option("--node", arguments.node, "another CANopen node than the module, over the network")
-      ->type_name("1-127")
-      ->check(number_from(1, 127));
+  command
+      .add_option("--node", arguments.node_text,
+                  "another CANopen node than the module, over the network: node-ID or name")
+      ->type_name("NODE");
 }
 
 void add_offline(const Adder& adder) {
@@ -131,7 +138,7 @@ void add_offline(const Adder& adder) {
     command->add_flag("--json", arguments->json, "what was taken back as a JSON object");
   }
   {
-    auto [command, arguments] = adder.with_file("check", "Say what is wrong in a project", check_project);
+    auto [command, arguments] = adder.with_file("check", "Check a project", check_project);
     command->add_flag("--json", arguments->json, "one JSON object per finding");
   }
   {
@@ -143,16 +150,15 @@ void add_offline(const Adder& adder) {
     command->add_option("XML", arguments->other_file, "the backup")->required();
   }
   {
-    auto [command, arguments] =
-        adder.add("describe", "Describe the fields of a module's windows: what they mean, range, default",
-                  describe_windows);
+    auto [command, arguments] = adder.add(
+        "describe", "Describe the fields of a module's windows: meaning, range, default", describe_windows);
     add_model_option(*command, *arguments);
     command->add_option("WINDOW", arguments->window, "only this one")->check(one_of_words(window_words));
     command->add_flag("--json", arguments->json, "one JSON object per window and field");
   }
   {
     auto [command, arguments] =
-        adder.add("objects", "List what can be mapped into a module's PDOs", list_mappable_objects);
+        adder.add("objects", "List the objects that a module's PDOs can carry", list_mappable_objects);
     add_model_option(*command, *arguments);
     command->add_option("WINDOW", arguments->window, "only of these PDOs")
         ->check(one_of_words({"tpdo", "rpdo"}));
@@ -167,14 +173,12 @@ void add_nodes(const Adder& adder) {
     auto [command, arguments] = adder.with_file(
         "nodes", "List the hardware data of the project's nodes, or have them save or restore", list_nodes);
     Adder::add_online_options(*command, *arguments);
-    command->add_option("--node", arguments->node, "only this one")
-        ->type_name("1-127")
-        ->check(number_from(1, 127));
+    command->add_option("--node", arguments->node_text, "only this one: node-ID or name")->type_name("NODE");
     auto* const save =
-        command->add_flag("--save", arguments->save, "Save Object Dictionary: 1010H:01 of each node");
+        command->add_flag("--save", arguments->save, "Save Object Dictionary: 1010:01 of each node");
     command
         ->add_flag("--restore", arguments->restore,
-                   "Restore Object Dictionary to default: 1011H:01 of each node")
+                   "Restore Object Dictionary to default: 1011:01 of each node")
         ->excludes(save);
     command->add_flag("--yes", arguments->yes, "do it");
     command
@@ -191,13 +195,14 @@ void add_nodes(const Adder& adder) {
         "identify", "Put a slave's device type and identity into the project's assignment list",
         identify_slave);
     Adder::add_online_options(*command, *arguments);
-    command->add_option("NODE", arguments->node, "the slave")->required()->check(number_from(1, 127));
+    command->add_option("NODE", arguments->node_text, "the slave: node-ID or name")->required();
     command
-        ->add_option("--from", arguments->from,
+        ->add_option("--source", arguments->from,
                      "read them from the slave itself, or from the NMT master's list")
         ->type_name("WHICH")
         ->check(one_of_words({"slave", "master"}))
         ->capture_default_str();
+    command->add_old_spelling({.old = "--from", .now = "--source"});
     command->add_flag("--json", arguments->json, "one JSON object per field");
   }
 }
@@ -210,13 +215,13 @@ void add_online(const Adder& adder) {
   }
   {
     auto [command, arguments] =
-        adder.with_file("diff", "Show what the module has otherwise than the project", compare_with_module);
+        adder.with_file("diff", "Show the differences between module and project", compare_with_module);
     add_transfer_options(*command, *arguments);
     command->add_flag("--json", arguments->json, "one JSON object per field");
   }
   {
     auto [command, arguments] = adder.with_file(
-        "write", "Download the project: write what differs into the module's flash ROM", write_to_module);
+        "write", "Download the project: write the differences into the module's flash ROM", write_to_module);
     add_transfer_options(*command, *arguments);
     command->add_flag("--yes", arguments->yes, "write; without it the differences are shown");
     command->add_flag("--stop", arguments->stop, "put the CPU module into STOP for it, and into RUN again");
@@ -238,9 +243,7 @@ void add_online(const Adder& adder) {
     auto [command, arguments] = writes
                                     ? adder.online("sdo-write", "SDO write to any CANopen node", write_object)
                                     : adder.online("sdo-read", "SDO read of any CANopen node", read_object);
-    command->add_option("NODE", arguments->node, "1 to 127; 0: the module itself")
-        ->required()
-        ->check(number_from(0, 127));
+    command->add_option("NODE", arguments->node_text, "node-ID or name; 0: the module itself")->required();
     command->add_option("OBJECT", arguments->object, "index and sub-index: 1018:02, 0x1018:0x02")->required();
     command->add_flag("--json", arguments->json, "the result as a JSON object");
     if (!writes) continue;

@@ -26,8 +26,9 @@ struct ConfigureArguments {
   std::string part = "all";
   std::string pdos = "all";
   std::string nodes = "all";
-  unsigned node = 0;
-  int module_number = -1;  ///< -1: the project's
+  std::string node_text{};  ///< number or name; empty: none was named
+  unsigned node = 0;        ///< its node-ID; 0: the module itself, or none was named
+  int module_number = -1;   ///< -1: the project's
   std::string object;
   std::string length = "BYTE_LENGTH_2";
   std::string data;
@@ -50,7 +51,7 @@ inline constexpr int in_run = 3;     ///< the CPU module is in RUN
 inline constexpr int different = 4;  ///< `diff` found differences, or a check found errors
 }  // namespace configure_code
 
-// The commands, by the file they are in: project_editing.cpp, project_describing.cpp, project_online.cpp, project_nodes.cpp.
+// The commands, by the file they are in: configure_edit.cpp, configure_show.cpp, configure_online.cpp, configure_nodes.cpp.
 int new_project(const ConfigureArguments& arguments);
 int show_project(const ConfigureArguments& arguments);
 int set_in_project(const ConfigureArguments& arguments);
@@ -74,8 +75,12 @@ int reset_module(const ConfigureArguments& arguments);
 int list_nodes(const ConfigureArguments& arguments);
 int identify_slave(const ConfigureArguments& arguments);
 
-/// `configure setup ...`: transfer setups (project_setups.cpp).
+/// `configure setup ...`: transfer setups (configure_setups.cpp).
 void add_setup_commands(Command& configure, int& exit_code);
+
+/// Sets `node` by `node_text`: a number, or a name of the project's node list, else of plant.toml or nodelist.cpj of the working
+/// folder. Empty, or a sentence with similar names.
+[[nodiscard]] std::string resolve_node(ConfigureArguments& arguments);
 
 /// "canopus configure: ..." on stderr; returns `code`.
 int configure_failed(int code, const std::string& message);

@@ -4,7 +4,10 @@
 
 #include <unistd.h>
 
+#include "canopus/ascii/counted.hpp"
+#include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/cli/output/print.hpp"
+#include "canopus/client/sdo_request.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -17,10 +20,15 @@ master::ObjectAccess::Failure failure_of(client::SdoFailure failure) {
 
 }  // namespace
 
-std::expected<std::vector<std::uint8_t>, BusObjects::Failure> BusObjects::read(text::ObjectName object) {
-  auto value = sdo_.read(object);
-  if (!value) return std::unexpected(failure_of(std::move(value.error())));
-  return std::move(*value);
+std::expected<std::vector<std::uint8_t>, BusObjects::Failure> BusObjects::read(text::ObjectName object,
+                                                                               canopen::DataType type) {
+  const auto came = sdo_.read(object);
+  if (!came) return std::unexpected(failure_of(came.error()));
+  const auto [bytes, remark] = client::value_of(*came, sdo_.speed(), type);
+  if (!remark.empty())
+    print_error("canopus: warning: node {}, {}: {}", node_id_, canopen::object_text(object.index, object.sub),
+                remark);
+  return std::vector<std::uint8_t>(bytes.begin(), bytes.end());
 }
 
 std::expected<void, BusObjects::Failure> BusObjects::write(text::ObjectName object,
@@ -42,7 +50,7 @@ master::Progress ObjectProgress::function() {
     if (bus_.now() >= next_ && is_terminal(STDERR_FILENO)) {
       next_ = bus_.now() + std::chrono::milliseconds(100);
       is_shown_ = true;
-      show_progress(Line("{}: {} of {} objects", what_, done, of));
+      show_progress(Line("{}: {} of {}", what_, done, ascii::counted(of, "object")));
     }
     return true;
   };

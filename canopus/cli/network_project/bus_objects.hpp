@@ -11,12 +11,14 @@ namespace canopus::cli {
 class BusObjects final : public master::ObjectAccess {
  public:
   BusObjects(link::BusLoop& bus, std::uint8_t node_id, can::Duration time_out)
-      : sdo_(bus, node_id, time_out, false) {}
+      : node_id_(node_id), sdo_(bus, node_id, time_out, false) {}
 
-  std::expected<std::vector<std::uint8_t>, Failure> read(text::ObjectName object) override;
+  std::expected<std::vector<std::uint8_t>, Failure> read(text::ObjectName object,
+                                                         canopen::DataType type) override;
   std::expected<void, Failure> write(text::ObjectName object, std::span<const std::uint8_t> value) override;
 
  private:
+  std::uint8_t node_id_;
   client::SdoOnBus sdo_;
 };
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/cli/output/print.hpp"
@@ -78,7 +79,7 @@ BusSession::BusSession(const ProjectArguments& arguments, BusLoop& bus, can::Dur
 void BusSession::compare(const ProjectNode& node) {
   BusObjects objects(bus_, node.id(), time_out_);
   const auto values = compared(node, objects);
-  if (values) tell_result(node, *values, "is as the project has it");
+  if (values) print_summary(node, *values, "is as the project has it");
 }
 
 void BusSession::write(const ProjectNode& node) {
@@ -87,16 +88,16 @@ void BusSession::write(const ProjectNode& node) {
   if (!values) return;
   auto steps = master::plan_writes(*node.device, node.id(), *values);
   if (steps.empty()) {
-    tell_result(node, *values, "is as the project has it");
+    print_summary(node, *values, "is as the project has it");
     if (arguments_.save && arguments_.yes) save(node, objects);
     return;
   }
   if (!arguments_.yes) {
-    tell_result(node, *values, "");
-    for (const WriteStep& step : steps) tell(node, step, "would be written", {}, false);
+    print_summary(node, *values, "");
+    for (const WriteStep& step : steps) print_result(node, step, "would be written", {}, false);
     return;
   }
-  tell_differences(node, *values);
+  print_differences(node, *values);
   {
     ObjectProgress progress(bus_, node.shown_name());
     master::write(steps, objects, progress.function());
@@ -104,15 +105,15 @@ void BusSession::write(const ProjectNode& node) {
   // The values that the device has now count, not its answers during the write.
   const auto now =
       has(steps, WriteStep::State::not_answered) ? std::nullopt : values_of_device(node, objects);
-  tell_writes(node, steps, now ? &*now : nullptr);
+  print_writes(node, steps, now ? &*now : nullptr);
   if (!now)
     return silent(node, "no longer answers: whether it keeps what it has acknowledged cannot be known");
   if (has(steps, WriteStep::State::refused)) ++summary_.refused;
-  tell_result(node, *now, "is as the project has it, read back");
+  print_summary(node, *now, "is as the project has it, read back");
   if (arguments_.save) save(node, objects);
 }
 
-void BusSession::take_over(NetworkProject& project, std::uint8_t node_id) {
+void BusSession::accept_values(NetworkProject& project, std::uint8_t node_id) {
   const ProjectNode node = *project.find(node_id);
   BusObjects objects(bus_, node_id, time_out_);
   if (!is_the_device(node, objects)) return;
@@ -130,13 +131,13 @@ void BusSession::take_over(NetworkProject& project, std::uint8_t node_id) {
             ? std::expected<void, std::string>(std::unexpected(
                   value.reason.empty() ? std::string("no value that a DCF could hold") : value.reason))
             : changed.set_value(node_id, value.object.index, value.object.sub, *text);
-    tell_taken(node, value, done ? std::string() : done.error());
+    print_accepted_value(node, value, done ? std::string() : done.error());
     if (done) ++taken;
   }
   project = std::move(changed);
   ++(taken == 0 ? summary_.same : summary_.different);
   if (!arguments_.bus.json)
-    print_line("{}: {} value{} taken over", node.shown_name(), taken, taken == 1 ? "" : "s");
+    print_line("{}: {} taken over", node.shown_name(), ascii::counted(taken, "value"));
 }
 
 int BusSession::end() {
@@ -176,7 +177,7 @@ bool BusSession::is_the_device(const ProjectNode& node, BusObjects& objects) {
     }
     if (value.state == ComparedValue::State::same || is_asked_alone(value)) continue;
     is_good = false;
-    tell(node, value);
+    print_result(node, value);
   }
   if (is_good) return true;
   ++summary_.different;
@@ -201,31 +202,31 @@ std::optional<std::vector<ComparedValue>> BusSession::values_of_device(const Pro
   return values;
 }
 
-void BusSession::tell_differences(const ProjectNode& node, const std::vector<ComparedValue>& values) {
+void BusSession::print_differences(const ProjectNode& node, const std::vector<ComparedValue>& values) {
   for (const ComparedValue& value : values) {
-    if (value.state != ComparedValue::State::same) tell(node, value);
+    if (value.state != ComparedValue::State::same) print_result(node, value);
   }
 }
 
-void BusSession::tell_result(const ProjectNode& node, const std::vector<ComparedValue>& values,
-                             std::string_view good) {
+void BusSession::print_summary(const ProjectNode& node, const std::vector<ComparedValue>& values,
+                               std::string_view good) {
   const auto wrong = std::ranges::count_if(
       values, [](const ComparedValue& value) { return value.state != ComparedValue::State::same; });
   ++(wrong == 0 ? summary_.same : summary_.different);
-  tell_differences(node, values);
+  print_differences(node, values);
   if (arguments_.bus.json) {
     print_json(Json{{"node", node.id()},
                     {"state", wrong == 0 ? "same" : "different"},
                     {"values", values.size()},
                     {"differ", wrong}});
   } else if (wrong != 0) {
-    print_line("{}: {} of {} values differ", node.shown_name(), wrong, values.size());
+    print_line("{}: different: {} of {}", node.shown_name(), wrong, ascii::counted(values.size(), "value"));
   } else {
-    print_line("{}: {} ({} value{})", node.shown_name(), good, values.size(), values.size() == 1 ? "" : "s");
+    print_line("{}: {} ({})", node.shown_name(), good, ascii::counted(values.size(), "value"));
   }
 }
 
-void BusSession::tell(const ProjectNode& node, const ComparedValue& value) {
+void BusSession::print_result(const ProjectNode& node, const ComparedValue& value) {
   const std::string title = title_of(node, value.object);
   if (arguments_.bus.json) {
     Json json{{"node", node.id()},
@@ -242,17 +243,18 @@ void BusSession::tell(const ProjectNode& node, const ComparedValue& value) {
              value.reason.empty() ? words(value.found, value.type) : "- (" + value.reason + ")", title);
 }
 
-void BusSession::tell_writes(const ProjectNode& node, const std::vector<WriteStep>& steps,
-                             const Values* now) {
+void BusSession::print_writes(const ProjectNode& node, const std::vector<WriteStep>& steps,
+                              const Values* now) {
   constexpr std::string_view not_read_back = "acknowledged, not read back";
   for (auto step = steps.begin(); step != steps.end(); ++step) {
     if (step->state != WriteStep::State::written) {
-      tell(node, *step, state_name(step->state), step->reason, step->state != WriteStep::State::not_tried);
+      print_result(node, *step, state_name(step->state), step->reason,
+                   step->state != WriteStep::State::not_tried);
       continue;
     }
     // A device that has lost its supply since may have lost the value, too.
     if (now == nullptr) {
-      tell(node, *step, not_read_back, {}, true);
+      print_result(node, *step, not_read_back, {}, true);
       continue;
     }
     // A PDO is switched off first: only the last write of an object is there in the end.
@@ -260,17 +262,18 @@ void BusSession::tell_writes(const ProjectNode& node, const std::vector<WriteSte
         std::ranges::find(std::next(step), steps.end(), step->object, &WriteStep::object) == steps.end();
     const auto found = std::ranges::find(*now, step->object, &ComparedValue::object);
     if (!is_last || found == now->end() || found->state == ComparedValue::State::same) {
-      tell(node, *step, state_name(step->state), {}, false);
+      print_result(node, *step, state_name(step->state), {}, false);
     } else if (found->state == ComparedValue::State::different) {
-      tell(node, *step, "acknowledged, but not kept", "the device has " + found_text(*found) + " now", true);
+      print_result(node, *step, "acknowledged, but not kept", "the device has " + found_text(*found) + " now",
+                   true);
     } else {
-      tell(node, *step, not_read_back, found->reason, true);
+      print_result(node, *step, not_read_back, found->reason, true);
     }
   }
 }
 
-void BusSession::tell(const ProjectNode& node, const WriteStep& step, std::string_view state,
-                      const std::string& reason, bool is_bad) {
+void BusSession::print_result(const ProjectNode& node, const WriteStep& step, std::string_view state,
+                              const std::string& reason, bool is_bad) {
   const canopen::Entry entry = node.device->dictionary->find(step.object.index, step.object.sub);
   const canopen::DataType type = entry ? entry.description->type : canopen::DataType::none;
   if (arguments_.bus.json) {
@@ -286,7 +289,8 @@ void BusSession::tell(const ProjectNode& node, const WriteStep& step, std::strin
              reason.empty() || !is_bad ? "" : ", " + reason);
 }
 
-void BusSession::tell_taken(const ProjectNode& node, const ComparedValue& value, const std::string& why_not) {
+void BusSession::print_accepted_value(const ProjectNode& node, const ComparedValue& value,
+                                      const std::string& why_not) {
   if (arguments_.bus.json) {
     Json json{
         {"node", node.id()}, {"object", object_text(value.object)}, {"name", title_of(node, value.object)}};
@@ -303,7 +307,7 @@ void BusSession::tell_taken(const ProjectNode& node, const ComparedValue& value,
 void BusSession::save(const ProjectNode& node, BusObjects& objects) {
   constexpr std::uint8_t signature[] = {'s', 'a', 'v', 'e'};
   const auto saved = objects.write({0x1010, 1}, signature);
-  if (!saved && !saved.error().is_refused) return silent(node, "did not answer to save (1010H:01)");
+  if (!saved && !saved.error().is_refused) return silent(node, "did not answer to save (1010:01)");
   if (!saved) ++summary_.refused;
   if (arguments_.bus.json) {
     Json json{{"node", node.id()}, {"saved", saved.has_value()}};
@@ -311,7 +315,7 @@ void BusSession::save(const ProjectNode& node, BusObjects& objects) {
     return print_json(json);
   }
   print_line("{}: {}", node.shown_name(),
-             saved ? "saved (1010H:01)" : "not saved (1010H:01): " + saved.error().reason);
+             saved ? "saved (1010:01)" : "not saved (1010:01): " + saved.error().reason);
 }
 
 }  // namespace canopus::cli

@@ -21,7 +21,7 @@ class BusSession {
   /// And written where it differs, with --yes; then read back. A device with another identity is left alone.
   void write(const network_project::ProjectNode& node);
   /// Takes over into the project what a device has otherwise; of one that falls silent nothing.
-  void take_over(network_project::NetworkProject& project, std::uint8_t node_id);
+  void accept_values(network_project::NetworkProject& project, std::uint8_t node_id);
 
   /// The summary with --json; the exit code of all that was done.
   [[nodiscard]] int end();
@@ -38,16 +38,16 @@ class BusSession {
   std::optional<Values> values_of_device(const network_project::ProjectNode& node, BusObjects& objects);
   void save(const network_project::ProjectNode& node, BusObjects& objects);
 
-  void tell(const network_project::ProjectNode& node, const master::ComparedValue& value);
-  void tell(const network_project::ProjectNode& node, const master::WriteStep& step, std::string_view state,
-            const std::string& reason, bool is_bad);
+  void print_result(const network_project::ProjectNode& node, const master::ComparedValue& value);
+  void print_result(const network_project::ProjectNode& node, const master::WriteStep& step,
+                    std::string_view state, const std::string& reason, bool is_bad);
   /// `now`: the device's values after the writes; none: not read back.
-  void tell_writes(const network_project::ProjectNode& node, const std::vector<master::WriteStep>& steps,
-                   const Values* now);
-  void tell_differences(const network_project::ProjectNode& node, const Values& values);
-  void tell_result(const network_project::ProjectNode& node, const Values& values, std::string_view good);
-  void tell_taken(const network_project::ProjectNode& node, const master::ComparedValue& value,
-                  const std::string& why_not);
+  void print_writes(const network_project::ProjectNode& node, const std::vector<master::WriteStep>& steps,
+                    const Values* now);
+  void print_differences(const network_project::ProjectNode& node, const Values& values);
+  void print_summary(const network_project::ProjectNode& node, const Values& values, std::string_view good);
+  void print_accepted_value(const network_project::ProjectNode& node, const master::ComparedValue& value,
+                            const std::string& why_not);
 
   /// The number of nodes by result.
   struct Summary {

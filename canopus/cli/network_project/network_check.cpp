@@ -1,8 +1,15 @@
 #include "canopus/cli/network_project/network_check.hpp"
 
 #include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <set>
+#include <system_error>
 #include <utility>
 
+#include "canopus/plant/file/plant_file.hpp"
+#include "canopus/plant/initial_nodes.hpp"
+#include "canopus/plant/plant_loading.hpp"
 #include "canopus/plant/plant_review.hpp"
 
 namespace canopus::cli {
@@ -32,10 +39,45 @@ bool has_manager(const network_project::NetworkProject& project) {
   });
 }
 
+/// The buses of a plant file that have this project; all where none has it.
+std::set<std::string, std::less<>> buses_of(const plant::PlantFile& file, const std::string& list) {
+  std::set<std::string, std::less<>> with_project, all;
+  for (const plant::BusSection& bus : file.buses) {
+    all.insert(bus.name);
+    std::error_code unknown;
+    const auto path = std::filesystem::path(file.path).parent_path() / bus.project;
+    if (!bus.project.empty() && std::filesystem::equivalent(path, list, unknown))
+      with_project.insert(bus.name);
+  }
+  return with_project.empty() ? all : with_project;
+}
+
 }  // namespace
 
-std::vector<network_project::Finding> review_network(const network_project::NetworkProject& project) {
-  std::vector<network_project::Finding> findings = network_project::review(project);
+std::optional<network_project::ExternalPdos> external_pdos(const network_project::NetworkProject& project,
+                                                           const std::string& plant_file, text::Output& err) {
+  class NoObserver final : public plant::PlantObserver {
+  } no_observer;
+  const auto plant = plant::load_plant(plant_file, no_observer, err);
+  if (!plant) return std::nullopt;
+  const auto buses = buses_of(plant->file(), project.list_path());
+  const std::vector<text::ObjectSetting> no_settings;
+  network_project::ExternalPdos external;
+  for (plant::InitialPlantNode& node : plant::initial_nodes(*plant)) {
+    const bool is_own = std::ranges::any_of(project.nodes(), [&](const ProjectNode& one) {
+      return one.id() == node.node_id && one.listed.present;
+    });
+    if (is_own || !buses.contains(node.bus)) continue;
+    for (const plant::ReviewedPdo& pdo : plant::active_pdos(
+             {.name = node.name, .objects = std::move(node.objects), .settings = &no_settings}))
+      (pdo.transmit ? external.sent : external.received).insert(pdo.cob_id.key());
+  }
+  return external;
+}
+
+std::vector<network_project::Finding> review_network(const network_project::NetworkProject& project,
+                                                     const network_project::ExternalPdos& external) {
+  std::vector<network_project::Finding> findings = network_project::review(project, external);
   plant::ReviewedBus bus{.name = project.network().name};
   for (const ProjectNode& node : project.nodes()) {
     if (node.device != nullptr && node.listed.present) bus.nodes.push_back(reviewed(node));

@@ -30,7 +30,7 @@ constexpr text::ObjectName identity_objects[] = {
 std::expected<std::vector<IdentityValue>, std::string> read_identity(master::ObjectAccess& device) {
   std::vector<IdentityValue> found;
   for (const text::ObjectName object : identity_objects) {
-    const auto value = device.read(object);
+    const auto value = device.read(object, canopen::DataType::unsigned32);
     if (!value && !value.error().is_refused) return std::unexpected(value.error().reason);
     if (!value || value->size() != 4) continue;
     found.push_back({object.index, object.sub, static_cast<std::uint32_t>(can::load_value(*value))});
@@ -38,8 +38,8 @@ std::expected<std::vector<IdentityValue>, std::string> read_identity(master::Obj
   return found;
 }
 
-void tell_accepted(const ProjectArguments& arguments, const NetworkProject& project,
-                   const AcceptedValue& value) {
+void print_accepted(const ProjectArguments& arguments, const NetworkProject& project,
+                    const AcceptedValue& value) {
   const ProjectNode& node = *project.find(value.node_id);
   const canopen::Entry entry = node.device->dictionary->find(value.index, value.sub);
   const std::string title = network_project::object_title(*node.device, entry);
@@ -77,7 +77,7 @@ int with_difference(const ProjectArguments& arguments, const NetworkProject& pro
                             fmt::format("{} does not answer ({})", name, found.error()));
     }
     const auto values = find_accepted_values(project, id, *found);
-    for (const AcceptedValue& value : values) tell_accepted(arguments, project, value);
+    for (const AcceptedValue& value : values) print_accepted(arguments, project, value);
     const int code = use(values);
     if (code == project_code::refused) return code;
     if (arguments.bus.json) {

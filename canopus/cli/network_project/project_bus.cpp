@@ -62,7 +62,7 @@ int read_network(const ProjectArguments& arguments) {
     if (!nodes) return project_failed(project_code::refused, nodes.error());
     return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {
       BusSession session(arguments, bus, time_out);
-      for (const std::uint8_t node : *nodes) session.take_over(project, node);
+      for (const std::uint8_t node : *nodes) session.accept_values(project, node);
       const int code = session.end();
       return code == project_code::different ? project_code::done : code;
     });

@@ -10,6 +10,7 @@
 #include "canopus/cli/output/print.hpp"
 #include "canopus/cli/output/sigpipe.hpp"
 #include "canopus/network_project/network_load.hpp"
+#include "canopus/text/bit_rate.hpp"
 #include "canopus/text/json.hpp"
 
 namespace canopus::cli {
@@ -28,7 +29,7 @@ struct Adder {
     Command* command = (below != nullptr ? below : &group)->add_subcommand(name, help);
     command->add_option("PROJECT", arguments->project, "folder with nodelist.cpj, or a file *.cpj")
         ->required();
-    command->add_option("--network", arguments->network, "of a list with several networks: which one, from 1")
+    command->add_option("--network", arguments->network, "number of the network in the list, from 1")
         ->type_name("NUMBER")
         ->check(number_from(1, 1000));
     command->add_flag("--json", arguments->bus.json, "one JSON object per line");
@@ -39,7 +40,7 @@ struct Adder {
 
 void add_dry_run(Command& command, ProjectArguments& arguments) {
   command.add_flag("--dry-run", arguments.dry_run,
-                   "show what would change, and the load of the bus, but write nothing");
+                   "show the changes and the load of the bus, but write nothing");
 }
 
 constexpr const char* node_help = "node-ID, or name in the project";
@@ -55,16 +56,19 @@ void add_node_id(Command& command, unsigned& node_id, const char* help) {
 void add_looking(const Adder& adder) {
   {
     auto [command, arguments] =
-        adder.add("show", "List the nodes of a project, or what one has configured", show_network);
+        adder.add("show", "List the nodes of a project, or the configuration of one", show_network);
     add_node(*command, *arguments, false);
     command->add_flag("--all", arguments->all_values,
-                      "of a node: every object, not only those that its DCF gives a value");
+                      "of a node: every object, not only the configured ones");
   }
   {
-    auto [command, arguments] = adder.add(
-        "check", "Say what does not fit together: files, bit rate, CAN-IDs, PDOs, SYNC, heartbeats, load",
-        check_network);
-    command->add_flag("--strict", arguments->strict, "a warning is a mistake, too");
+    auto [command, arguments] =
+        adder.add("check", "Check files, bit rate, CAN-IDs, PDOs, SYNC, heartbeats and load", check_network);
+    command->add_flag("--strict", arguments->strict, "treat warnings as mistakes");
+    command
+        ->add_option("--plant", arguments->plant,
+                     "plant file whose module sends and receives PDOs of this network, too")
+        ->type_name("PLANT");
   }
 }
 
@@ -77,14 +81,14 @@ void add_changing(const Adder& adder) {
     auto [command, arguments] =
         adder.add("add", "Add a node: its DCF or XDC is made of a device file", add_network_node);
     command->add_option("EDS", arguments->file, "device file: EDS, DCF, XDD or XDC")->required();
-    add_node_id(*command, arguments->node_id, "without it the lowest that is free");
+    add_node_id(*command, arguments->node_id, "default: the lowest free one");
     command->add_option("--name", arguments->name, "of the node; without it the product's")
         ->type_name("NAME");
-    command->add_option("--bit-rate", arguments->bit_rate, "without it that of the other nodes")
+    command->add_option("--bit-rate", arguments->bit_rate, "default: that of the other nodes")
         ->type_name("RATE");
   }
   {
-    auto [command, arguments] = adder.add("remove", "Take a node and its DCF out", remove_network_node);
+    auto [command, arguments] = adder.add("remove", "Remove a node and its DCF", remove_network_node);
     add_node(*command, *arguments, true);
   }
   {
@@ -103,7 +107,7 @@ void add_changing(const Adder& adder) {
             },
             "of the node, or without NODE of the network")
         ->type_name("NAME");
-    add_node_id(*command, arguments->node_id, "another one; COB-IDs that hold it follow");
+    add_node_id(*command, arguments->node_id, "new node-ID; COB-IDs that contain it are changed, too");
     command
         ->add_option_function(
             "--reference",
@@ -122,7 +126,7 @@ void add_changing(const Adder& adder) {
   }
   {
     auto [command, arguments] =
-        adder.add("unset", "Take values of objects out: their defaults count", unset_in_network);
+        adder.add("unset", "Remove values of objects: their defaults are used", unset_in_network);
     add_node(*command, *arguments, true);
     command->add_option("OBJECT", arguments->items, "1017, \"Producer heartbeat time\"")->required();
   }
@@ -130,13 +134,12 @@ void add_changing(const Adder& adder) {
     auto [command, arguments] =
         adder.add("note", "Write a note about a node: shown, and in the report", note_in_network);
     add_node(*command, *arguments, true);
-    command->add_option("TEXT", arguments->note, "what is noted; \"\" takes it out")->required();
+    command->add_option("TEXT", arguments->note, "text of the note; \"\" removes it")->required();
   }
-  adder.add("undo", "Take back the latest change, then the one before it (50 at most)", undo_in_network);
+  adder.add("undo", "Revert the latest change, then the one before it (50 at most)", undo_in_network);
   {
-    auto [command, arguments] =
-        adder.add("concise", "Write what a node is configured with as a concise DCF, for 1F22H of a master",
-                  write_concise_dcf);
+    auto [command, arguments] = adder.add(
+        "concise", "Write a node's configuration as a concise DCF, for 1F22H of a master", write_concise_dcf);
     add_node(*command, *arguments, true);
     command->add_option("FILE", arguments->file, "the file to be written")->required();
   }
@@ -149,27 +152,28 @@ void add_bus(Command& command, ProjectArguments& arguments) {
 void add_online(const Adder& adder) {
   {
     auto [command, arguments] =
-        adder.add("diff", "Show what devices have otherwise than the project", compare_network);
+        adder.add("diff", "Show the differences between devices and project", compare_network);
     add_node(*command, *arguments, false);
     add_bus(*command, *arguments);
   }
   {
     auto [command, arguments] =
-        adder.add("write", "Write what differs into the devices, and read it back", write_network);
+        adder.add("write", "Write the differences into the devices, and read them back", write_network);
     add_node(*command, *arguments, false);
     add_bus(*command, *arguments);
     command->add_flag("--yes", arguments->yes, "write; without it what would be written is shown");
-    command->add_flag("--save", arguments->save, "and have the devices save it (1010H:01)");
+    command->add_flag("--save", arguments->save, "and have the devices save it (1010:01)");
   }
   {
     auto [command, arguments] =
-        adder.add("read", "Take over into the project what devices have otherwise", read_network);
+        adder.add("read", "Copy different values from the devices into the project", read_network);
     add_node(*command, *arguments, false);
     add_bus(*command, *arguments);
   }
   {
     auto [command, arguments] = adder.add(
-        "adopt", "Take over a running network: scan it, match device files, and read what is configured",
+        "adopt",
+        "Make a project of a running network: scan it, match device files, and read the configuration",
         adopt_network);
     command->add_option("--eds", arguments->eds, "a device file, or a folder with them; may be given again")
         ->type_name("FILE")
@@ -180,20 +184,19 @@ void add_online(const Adder& adder) {
         ->capture_default_str();
     command->add_option("--bit-rate", arguments->bit_rate, "what the DCFs will say")->type_name("RATE");
     command->add_flag("--no-values", arguments->no_values,
-                      "read who the devices are, but not what they have configured");
+                      "read the identity of the devices, but not their configuration");
     add_bus(*command, *arguments);
   }
   {
     auto [command, arguments] =
-        adder.add("accept", "Take the device that answers now for a node: its identity becomes the project's",
-                  accept_device);
+        adder.add("accept", "Accept a replaced device: its identity becomes the project's", accept_device);
     add_node(*command, *arguments, true);
     add_bus(*command, *arguments);
     command->add_flag("--yes", arguments->yes, "do it; without it what would change is shown");
   }
   {
     auto [command, arguments] = adder.add(
-        "report", "Write an HTML page: nodes, process data, load, findings, and what devices have otherwise",
+        "report", "Write an HTML page: nodes, process data, load, findings, and differences from the devices",
         report_network);
     command->add_option("FILE", arguments->file, "the page to be written, *.html")->required();
     command->add_flag("--devices", arguments->with_devices, "ask the devices, too");
@@ -224,7 +227,7 @@ void add_pdos(const Adder& adder) {
     auto [command, arguments] = adder.add(
         "list", "List PDOs: CAN-ID, type, what is mapped, and where it goes", list_network_pdos, pdo);
     add_node(*command, *arguments, false);
-    command->add_flag("--all", arguments->all_values, "those that are off, too");
+    command->add_flag("--all", arguments->all_values, "disabled PDOs, too");
   }
   const auto add_pdo = [](Command& command, ProjectArguments& arguments) {
     add_node(command, arguments, true);
@@ -253,11 +256,13 @@ void add_pdos(const Adder& adder) {
   }
   {
     auto [command, arguments] =
-        adder.add("link", "Send a signal of one node to another: CAN-ID and both mappings are worked out",
+        adder.add("link", "Send a signal of one node to another: CAN-ID and both mappings are chosen",
                   link_network_signals, pdo);
     command
-        ->add_option("FROM TO", arguments->items,
-                     "NODE.SIGNAL each, for example 2.6004 or \"Pump.Target velocity\"")
+        ->add_option(
+            "FROM TO", arguments->items,
+            "NODE.SIGNAL each, for example 2.6004 or \"Pump.Target velocity\"; `canopus project show PROJECT "
+            "NODE --all` lists the objects of a node")
         ->required()
         ->expected(2);
     add_dry_run(*command, *arguments);
@@ -271,23 +276,12 @@ int project_failed(int code, const std::string& message) {
   return code;
 }
 
-std::expected<std::uint32_t, std::string> parse_bit_rate(std::string_view text) {
+std::expected<std::uint32_t, std::string> bit_rate_of(const std::string& text) {
   if (text.empty()) return 0;
-  std::uint64_t value = 0;
-  std::size_t digits = 0;
-  while (digits < text.size() && text[digits] >= '0' && text[digits] <= '9' && value < 10'000'000) {
-    value = value * 10 + static_cast<unsigned>(text[digits++] - '0');
-  }
-  const std::string_view unit = text.substr(digits);
-  const bool is_kilo = unit == "k" || unit == "K" || unit == "kbit/s";
-  const bool is_mega = unit == "M" || unit == "Mbit/s";
-  value *= is_kilo ? 1000 : is_mega ? 1'000'000 : 1;
-  const bool has_known_unit = is_kilo || is_mega || unit.empty() || unit == "bit/s";
-  const bool is_good =
-      digits != 0 && has_known_unit && value >= 1000 && value <= 1'000'000 && value % 1000 == 0;
-  if (is_good) return static_cast<std::uint32_t>(value);
-  return std::unexpected(
-      fmt::format("--bit-rate {}: expected for example 500k: 1k to 1M, whole kbit/s", eds::printable(text)));
+  auto bit_rate = text::parse_bit_rate(text);
+  if (!bit_rate)
+    return std::unexpected(fmt::format("--bit-rate {}: {}", eds::printable(text), bit_rate.error()));
+  return bit_rate;
 }
 
 static void warn_if_unfinished(const ProjectFolder& folder) {
@@ -306,8 +300,8 @@ int with_network(
 }
 
 /// Prints the effect of a change on the bus load, without making it.
-static void tell_load(const ProjectArguments& arguments, const network_project::NetworkLoad& before,
-                      const network_project::NetworkLoad& after) {
+static void print_load(const ProjectArguments& arguments, const network_project::NetworkLoad& before,
+                       const network_project::NetworkLoad& after) {
   if (arguments.bus.json) {
     return print_json(text::Json{{"event", "dry run"},
                                  {"bit_rate", after.bit_rate},
@@ -350,7 +344,7 @@ int change_network(const ProjectArguments& arguments, const std::string& title,
   }
   const network_project::NetworkLoad before = reckon_load(*project);
   const int code = action(*folder, *project);
-  if (code == project_code::done) tell_load(arguments, before, reckon_load(*project));
+  if (code == project_code::done) print_load(arguments, before, reckon_load(*project));
   return code;
 }
 

@@ -57,6 +57,7 @@ struct ProjectArguments {
   bool dry_run = false;
   bool with_devices = false;
   std::string nodes = "1-127";
+  std::string plant;
 };
 
 // The commands, by the file they are in: project_show.cpp, project_edit.cpp, project_dcf.cpp, project_pdo.cpp, project_bus.cpp,
@@ -88,8 +89,8 @@ int report_network(const ProjectArguments& arguments);
 /// "canopus project: ..." on stderr; returns `code`.
 int project_failed(int code, const std::string& message);
 
-/// "500k", "125kbit/s", "1M", "250000": bit/s, whole kbit/s as a DCF has them; nothing written: 0. The error names --bit-rate.
-[[nodiscard]] std::expected<std::uint32_t, std::string> parse_bit_rate(std::string_view text);
+/// The value of --bit-rate in bit/s; nothing written: 0. The error names the option.
+[[nodiscard]] std::expected<std::uint32_t, std::string> bit_rate_of(const std::string& text);
 
 /// Opens the project read-only, and prints its errors.
 int with_network(

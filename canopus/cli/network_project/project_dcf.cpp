@@ -73,7 +73,7 @@ std::string_view state_of(const DcfDifference& one) {
   return !one.dcf ? "only in the project" : !one.project ? "only in the DCF" : "different";
 }
 
-void tell(const ProjectArguments& arguments, const DcfDifference& one) {
+void print_result(const ProjectArguments& arguments, const DcfDifference& one) {
   const std::string object = canopen::object_text(one.index, one.sub);
   if (arguments.bus.json) {
     Json row{{"object", object}, {"name", one.name}, {"state", state_of(one)}};
@@ -148,7 +148,7 @@ int compare_dcf(const ProjectArguments& arguments) {
     const auto dcf = read_dcf(arguments, **node, code);
     if (dcf == nullptr) return code;
     const auto found = differences(*(*node)->device, *dcf);
-    for (const DcfDifference& one : found) tell(arguments, one);
+    for (const DcfDifference& one : found) print_result(arguments, one);
     if (found.empty() && !arguments.bus.json) print_line("{}: the same values", (*node)->shown_name());
     return found.empty() ? project_code::done : project_code::different;
   });
@@ -165,7 +165,7 @@ int load_dcf(const ProjectArguments& arguments) {
         const std::uint8_t id = (*node)->id();
         const std::string shown = (*node)->shown_name();
         for (const DcfDifference& one : differences(*(*node)->device, *dcf)) {
-          tell(arguments, one);
+          print_result(arguments, one);
           if (!one.is_known) continue;
           const auto done = one.dcf ? project.set_value(id, one.index, one.sub, *one.dcf)
                                     : project.remove_value(id, one.index, one.sub);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/ascii/words.hpp"
 #include "canopus/cli/network_project/project_command.hpp"
 #include "canopus/cli/output/new_file.hpp"
@@ -20,7 +21,7 @@ using network_project::NetworkProject;
 using network_project::ProjectNode;
 using Json = text::Json;
 
-void tell_node(const ProjectArguments& arguments, std::string_view what, const ProjectNode& node) {
+void print_node(const ProjectArguments& arguments, std::string_view what, const ProjectNode& node) {
   if (arguments.bus.json) {
     return print_json(
         Json{{"event", what}, {"node", node.id()}, {"name", node.listed.name}, {"file", node.path}});
@@ -65,7 +66,7 @@ int new_network(const ProjectArguments& arguments) {
 }
 
 int add_network_node(const ProjectArguments& arguments) {
-  const auto bit_rate = parse_bit_rate(arguments.bit_rate);
+  const auto bit_rate = bit_rate_of(arguments.bit_rate);
   if (!bit_rate) return project_failed(project_code::usage, bit_rate.error());
   const auto text = text::read_file(arguments.file);
   if (!text) return project_failed(project_code::file, text.error());
@@ -79,7 +80,7 @@ int add_network_node(const ProjectArguments& arguments) {
     if (!added) {
       return project_failed(project_code::refused, fmt::format("{}: {}", arguments.file, added.error()));
     }
-    tell_node(arguments, "added", *project.find(*added));
+    print_node(arguments, "added", *project.find(*added));
     return project_code::done;
   });
 }
@@ -92,13 +93,13 @@ int remove_network_node(const ProjectArguments& arguments) {
     if (const auto done = project.remove_node(gone.id()); !done) {
       return project_failed(project_code::refused, done.error());
     }
-    tell_node(arguments, "removed", gone);
+    print_node(arguments, "removed", gone);
     return project_code::done;
   });
 }
 
 int set_in_network(const ProjectArguments& arguments) {
-  const auto bit_rate = parse_bit_rate(arguments.bit_rate);
+  const auto bit_rate = bit_rate_of(arguments.bit_rate);
   if (!bit_rate) return project_failed(project_code::usage, bit_rate.error());
   const bool is_of_network = arguments.node.empty();
   const bool has_node_option =
@@ -217,7 +218,8 @@ int write_concise_dcf(const ProjectArguments& arguments) {
         write_new_file(arguments.file, {reinterpret_cast<const char*>(concise->data()), concise->size()});
     if (!written) return project_failed(project_code::file, written.error());
     if (!arguments.bus.json)
-      print_line("{}: {} bytes for 1F22H:{:02X}", arguments.file, concise->size(), (*node)->id());
+      print_line("{}: {} for 1F22:{:02X}", arguments.file, ascii::counted(concise->size(), "byte"),
+                 (*node)->id());
     return project_code::done;
   });
 }

@@ -20,7 +20,7 @@ std::expected<ProjectFolder, std::string> ProjectFolder::open(const std::string&
   if (folder.empty()) folder = ".";
   ProjectFolder project(folder, std::move(list));
   if (purpose == For::looking) {
-    const auto is_unfinished = project.changes_.look();
+    const auto is_unfinished = project.changes_.open_read_only();
     if (!is_unfinished) return std::unexpected(is_unfinished.error());
     project.is_unfinished_ = *is_unfinished;
     return project;
@@ -29,7 +29,7 @@ std::expected<ProjectFolder, std::string> ProjectFolder::open(const std::string&
   if (auto good = store::check_inner_path(store::real_files(), folder, records); !good) {
     return std::unexpected(std::move(good.error()));
   }
-  auto lock = store::FolderLock::take(folder / records);
+  auto lock = store::FolderLock::acquire(folder / records);
   if (!lock) return std::unexpected(fmt::format("{}: {}", folder.string(), lock.error()));
   project.lock_ = std::move(*lock);
   if (auto recovered = project.changes_.recover(); !recovered) return std::unexpected(recovered.error());
@@ -46,7 +46,10 @@ network_project::ReadFile ProjectFolder::reader() {
 }
 
 std::expected<network_project::NetworkProject, std::string> ProjectFolder::read(unsigned network) {
-  auto project = network_project::NetworkProject::open(list_, reader(), network - 1);
+  const auto find = [folder = folder_](const std::string& below, const std::string& name) {
+    return store::find_inner_file(folder / below, name);
+  };
+  auto project = network_project::NetworkProject::open(list_, reader(), network - 1, find);
   if (!project) {
     // The errors of ChangeSets already name the file.
     const bool is_named = project.error().starts_with(shown_list());

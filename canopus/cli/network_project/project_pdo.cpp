@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/ascii/words.hpp"
 #include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/cli/network_project/project_command.hpp"
@@ -68,7 +69,7 @@ Json pdo_json(const ProjectNode& node, const Pdo& pdo,
   return json;
 }
 
-/// "-> node 5 (drive): 60FFH:00 Target velocity"
+/// "-> node 5 (drive): 60FF:00 Target velocity"
 std::string other_ends(const NetworkProject& project, const ProjectNode& node, const Pdo& pdo, unsigned bit,
                        const std::vector<network_project::SignalLink>& links) {
   std::string text;
@@ -80,7 +81,7 @@ std::string other_ends(const NetworkProject& project, const ProjectNode& node, c
       continue;
     const ProjectNode& end = *project.find(other.node_id);
     text += fmt::format("{}{} {}: {} {}", text.empty() ? "  " : ", ", pdo.transmit ? "->" : "<-",
-                        end.shown_name(), eds::object_name(other.index, other.sub),
+                        end.shown_name(), eds::object_text(other.index, other.sub),
                         title_of(end, other.index, other.sub));
   }
   return text;
@@ -92,15 +93,15 @@ void print_pdo(const NetworkProject& project, const ProjectNode& node, const Pdo
   if (pdo.inhibit_time.value_or(0) != 0)
     times += fmt::format(", inhibit time {} ms", *pdo.inhibit_time / 10.0);
   if (pdo.event_timer.value_or(0) != 0) times += fmt::format(", event timer {} ms", *pdo.event_timer);
-  print_line("  {:<6}  {}  {} byte{}, {}{}", pdo.name(),
-             pdo.is_active() ? network_project::describe_can_id(pdo.cob_id) : "off", pdo.length(),
-             pdo.length() == 1 ? "" : "s",
+  print_line("  {:<6}  {}  {}, {}{}", pdo.name(),
+             pdo.is_active() ? network_project::describe_can_id(pdo.cob_id) : "off",
+             ascii::counted(pdo.length(), "byte"),
              network_project::describe_transmission_type(pdo.transmission_type, pdo.transmit), times);
   unsigned bit = 0;
   for (const network_project::MappedObject& object : pdo.mapping) {
     const std::string what = object.is_dummy()
                                  ? "(unused)"
-                                 : fmt::format("{} {}", eds::object_name(object.index, object.sub),
+                                 : fmt::format("{} {}", eds::object_text(object.index, object.sub),
                                                title_of(node, object.index, object.sub));
     print_line("    bit {:>2} {:>2}  {}{}", bit, object.bits, what,
                other_ends(project, node, pdo, bit, links));
@@ -127,8 +128,8 @@ std::expected<network_project::SignalEnd, std::string> parse_signal(const Networ
       fmt::format("\"{}\": expected NODE.SIGNAL, for example 5.6000:01 or Pump.Statusword", text));
 }
 
-void tell_changes(const ProjectArguments& arguments, const NetworkProject& project,
-                  const std::vector<network_project::PdoChange>& changes) {
+void print_changes(const ProjectArguments& arguments, const NetworkProject& project,
+                   const std::vector<network_project::PdoChange>& changes) {
   const auto links = find_links(project);
   for (const network_project::PdoChange& change : changes) {
     const ProjectNode& node = *project.find(change.node_id);
@@ -162,8 +163,9 @@ std::expected<Found, std::string> find_pdo(const NetworkProject& project, const 
 }
 
 /// Times and COB-ID that the options give; the error names what was expected.
-std::expected<void, std::string> take_options(const ProjectArguments& arguments,
-                                              const NetworkProject& project, std::uint8_t node_id, Pdo& pdo) {
+std::expected<void, std::string> apply_options(const ProjectArguments& arguments,
+                                               const NetworkProject& project, std::uint8_t node_id,
+                                               Pdo& pdo) {
   const auto number = [](const std::string& text, std::uint64_t most) -> std::optional<std::uint64_t> {
     const auto read = eds::read_number(text);
     const bool is_good = read && !read->negative && !read->adds_node_id && read->magnitude <= most;
@@ -264,12 +266,12 @@ int map_network_pdo(const ProjectArguments& arguments) {
             return project_failed(
                 project_code::refused,
                 fmt::format("{}: {} cannot be mapped into {} by its device file", node.shown_name(),
-                            eds::object_name(entry->index, entry->sub), pdo.name()));
+                            eds::object_text(entry->index, entry->sub), pdo.name()));
           }
           pdo.mapping.push_back({entry->index, entry->sub, static_cast<std::uint8_t>(bits)});
         }
         pdo.cob_id.raw &= ~canopen::CobId::invalid_bit;
-        if (const auto taken = take_options(arguments, project, found->node_id, pdo); !taken) {
+        if (const auto taken = apply_options(arguments, project, found->node_id, pdo); !taken) {
           return project_failed(project_code::usage, taken.error());
         }
         if (!canopen::usable(pdo.cob_id).is_valid() || pdo.cob_id.identifier() == 0) {
@@ -281,7 +283,7 @@ int map_network_pdo(const ProjectArguments& arguments) {
         if (const auto done = project.set_pdo(found->node_id, pdo); !done) {
           return project_failed(project_code::refused, done.error());
         }
-        tell_changes(arguments, project, {{found->node_id, found->pdo, pdo}});
+        print_changes(arguments, project, {{found->node_id, found->pdo, pdo}});
         return project_code::done;
       });
 }
@@ -296,7 +298,7 @@ int switch_network_pdo_off(const ProjectArguments& arguments) {
                           if (const auto done = project.set_pdo(found->node_id, pdo); !done) {
                             return project_failed(project_code::refused, done.error());
                           }
-                          tell_changes(arguments, project, {{found->node_id, found->pdo, pdo}});
+                          print_changes(arguments, project, {{found->node_id, found->pdo, pdo}});
                           return project_code::done;
                         });
 }
@@ -311,7 +313,7 @@ int link_network_signals(const ProjectArguments& arguments) {
     const auto changes = link_signals(project, *from, *to);
     if (!changes) return project_failed(project_code::refused, changes.error());
     if (changes->empty() && !arguments.bus.json) print_line("it is linked already");
-    tell_changes(arguments, project, *changes);
+    print_changes(arguments, project, *changes);
     return project_code::done;
   });
 }

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/cli/bus/scan_command.hpp"
 #include "canopus/cli/network_project/bus_objects.hpp"
@@ -49,7 +50,7 @@ void add_nodes(ReportPage& page, const NetworkProject& project) {
 
 void add_load(ReportPage& page, const network_project::NetworkLoad& load) {
   page.heading("Load");
-  if (load.bit_rate == 0) return page.paragraph("No bit rate is known, so no load can be reckoned.");
+  if (load.bit_rate == 0) return page.paragraph("No bit rate is known, so no load can be calculated.");
   page.paragraph(fmt::format(
       "{} kbit/s: {:.1f} % by timers and SYNC, {:.1f} % when all values change, each frame with the "
       "most stuff bits. SDO, EMCY and NMT come on top.",
@@ -66,7 +67,7 @@ void add_load(ReportPage& page, const network_project::NetworkLoad& load) {
 std::string named_object(const ProjectNode& node, std::uint16_t index, std::uint8_t sub) {
   const canopen::Entry entry =
       node.device == nullptr ? canopen::Entry{} : node.device->dictionary->find(index, sub);
-  return fmt::format("{} {}", eds::object_name(index, sub),
+  return fmt::format("{} {}", eds::object_text(index, sub),
                      entry ? network_project::object_title(*node.device, entry) : "");
 }
 
@@ -180,8 +181,9 @@ bool add_differences(ReportPage& page, const NetworkProject& project, const std:
     }
     is_good = is_good && wrong == 0;
     if (wrong == 0)
-      page.row({node.shown_name(), fmt::format("all {} values", values.size()), "the same", "the same", ""},
-               "good");
+      page.row(
+          {node.shown_name(), "all of " + ascii::counted(values.size(), "value"), "the same", "the same", ""},
+          "good");
   }
   page.end_table();
   return is_good;
@@ -193,8 +195,8 @@ static int write_report(const ProjectArguments& arguments) {
   return with_network(arguments, [&](const ProjectFolder& folder, const NetworkProject& project) {
     const std::string& name = project.network().name;
     ReportPage page(name.empty() ? folder.shown_list() : name);
-    page.paragraph(fmt::format("CANopen network of {}, {} node{}", folder.shown_list(),
-                               project.nodes().size(), project.nodes().size() == 1 ? "" : "s"));
+    page.paragraph(fmt::format("CANopen network of {}, {}", folder.shown_list(),
+                               ascii::counted(project.nodes().size(), "node")));
     add_nodes(page, project);
     add_findings(page, project);
     add_process_data(page, project);

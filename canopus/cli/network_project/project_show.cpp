@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/cli/network_project/network_check.hpp"
 #include "canopus/cli/network_project/project_command.hpp"
@@ -14,6 +15,7 @@
 #include "canopus/eds/words.hpp"
 #include "canopus/network_project/network_load.hpp"
 #include "canopus/text/json.hpp"
+#include "canopus/trace/decode/object_meaning.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -37,7 +39,7 @@ std::string describe_load(const network_project::NetworkLoad& load) {
   std::string text = fmt::format("{} kbit/s, load {} by timers and SYNC, {} at most", load.bit_rate / 1000,
                                  percent(load.steady), percent(load.most));
   if (load.unlimited != 0) {
-    text += fmt::format(" and {} TPDO{} without a limit", load.unlimited, load.unlimited == 1 ? "" : "s");
+    text += fmt::format(" and {} without a limit", ascii::counted(load.unlimited, "TPDO"));
   }
   return text;
 }
@@ -145,6 +147,8 @@ int show_node(const ProjectArguments& arguments, const NetworkProject& project, 
                 {"type", eds::name(type)},
                 {"access", eds::name(entry.description->access)}};
       line["value"] = bytes ? client::json_value(*bytes, type) : Json();
+      if (const auto unit = trace::object_meaning(entry.index, entry.sub).unit; !unit.empty())
+        line["unit"] = unit;
       add_facts(line, node, entry);
       return print_json(line);
     }
@@ -178,8 +182,8 @@ int show_network(const ProjectArguments& arguments) {
       return project_code::done;
     }
     const std::string& name = project.network().name;
-    print_line("{}: {} node{}, {}", name.empty() ? folder.shown_list() : name, project.nodes().size(),
-               project.nodes().size() == 1 ? "" : "s", describe_load(load));
+    print_line("{}: {}, {}", name.empty() ? folder.shown_list() : name,
+               ascii::counted(project.nodes().size(), "node"), describe_load(load));
     if (project.nodes().empty()) return project_code::done;
     std::size_t width = 4;
     for (const ProjectNode& node : project.nodes())
@@ -201,8 +205,14 @@ int show_network(const ProjectArguments& arguments) {
 
 int check_network(const ProjectArguments& arguments) {
   return with_network(arguments, [&](const ProjectFolder& folder, const NetworkProject& project) {
+    network_project::ExternalPdos external;
+    if (!arguments.plant.empty()) {
+      auto found = external_pdos(project, arguments.plant, standard_error());
+      if (!found) return project_code::file;
+      external = std::move(*found);
+    }
     std::map<Severity, unsigned> counts;
-    for (const network_project::Finding& finding : review_network(project)) {
+    for (const network_project::Finding& finding : review_network(project, external)) {
       ++counts[finding.severity];
       const std::string path = folder.shown_path(finding.path);
       if (arguments.bus.json) {
@@ -221,7 +231,7 @@ int check_network(const ProjectArguments& arguments) {
       print_line("{}: {}: {}", place, paint(eds::name(finding.severity), code, colour), finding.message);
     }
     const auto counted = [&](Severity severity) {
-      return fmt::format("{} {}{}", counts[severity], eds::name(severity), counts[severity] == 1 ? "" : "s");
+      return ascii::counted(counts[severity], eds::name(severity));
     };
     if (!arguments.bus.json) {
       print_line("{}: {}, {}, {}", folder.shown_list(), counted(Severity::error), counted(Severity::warning),

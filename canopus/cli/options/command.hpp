@@ -39,6 +39,15 @@ using OptionTarget =
                  std::vector<std::string>*, std::optional<std::string>*, std::optional<std::uint16_t>*,
                  std::optional<unsigned>*, std::optional<std::uint64_t>*, std::function<void()>, OptionCheck>;
 
+/// An option as it was written until now. It works for one more release, with a hint on stderr; help, completion and
+/// manual pages do not have it.
+struct OldSpelling {
+  std::string old;  ///< "--start"; empty: an argument
+  std::string now;  ///< "--from"; empty: an argument, as in `canopus master FILE`
+  /// The value behind `now` for this value; nothing: the option is meant as it is written today. Empty: the same value.
+  std::function<std::optional<std::string>(std::string_view value)> value{};
+};
+
 /// An option ("--for TIME"), a flag ("--json") or a positional argument ("PLANT").
 class Option {
  public:
@@ -134,6 +143,7 @@ class Command {
   void option_group(std::string heading) { group_ = std::move(heading); }
   [[nodiscard]] Option* get_option(std::string_view name);
   void remove_option(const Option* option);
+  void add_old_spelling(OldSpelling spelling) { old_spellings_.push_back(std::move(spelling)); }
 
   void footer(std::string text) { footer_ = std::move(text); }
   void callback(std::function<void()> action) { action_ = std::move(action); }
@@ -165,6 +175,7 @@ class Command {
   [[nodiscard]] const Command* find(std::string_view name) const;
   [[nodiscard]] const std::function<void()>& action() const noexcept { return action_; }
   [[nodiscard]] int required_subcommands() const noexcept { return required_subcommands_; }
+  [[nodiscard]] const std::vector<OldSpelling>& old_spellings() const noexcept { return old_spellings_; }
 
  private:
   Option* add(const std::string& names, OptionTarget target, std::string description, bool flag);
@@ -174,6 +185,7 @@ class Command {
   const Command* outer_ = nullptr;
   std::list<Option> options_;
   std::list<Command> commands_;
+  std::vector<OldSpelling> old_spellings_;
   std::function<void()> action_;
   Builder builder_;
   int required_subcommands_ = 0;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <memory>
 #include <sstream>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -70,13 +72,92 @@ struct OptionAdder {
     return app.add_flag_callback(names, function, data.description);
   }
   CLI::Option* operator()(const OptionCheck& function) const {
-    const auto take = [&option = data, function](const std::string& value) {
+    const auto parse_value = [&option = data, function](const std::string& value) {
       if (const std::string wrong = function(value); !wrong.empty()) {
         throw CLI::ValidationError(option.names.back(), wrong);
       }
     };
-    return app.add_option_function<std::string>(names, take, data.description);
+    if (data.most.value_or(1) == 1)
+      return app.add_option_function<std::string>(names, parse_value, data.description);
+    const auto parse_values = [parse_value](const std::vector<std::string>& values) {
+      for (const std::string& value : values) parse_value(value);
+    };
+    return app.add_option_function<std::vector<std::string>>(names, parse_values, data.description);
   }
+};
+
+/// The command that the words name.
+Command& named_command(Command& program, std::span<const std::string> words) {
+  Command* command = &program;
+  command->build();
+  for (const std::string& word : words) {
+    if (word.starts_with('-')) continue;
+    const auto inner = std::ranges::find(command->commands(), word, &Command::name);
+    if (inner == command->commands().end()) break;
+    command = &*inner;
+    command->build();
+  }
+  return *command;
+}
+
+/// Whether the next word is a value of it.
+bool takes_next_word(Command& command, const std::string& word) {
+  const Option* const option = word.starts_with('-') ? command.get_option(word) : nullptr;
+  return option != nullptr && !option->value().empty();
+}
+
+/// The words with the options as they are called today.
+class PresentSpellings {
+ public:
+  PresentSpellings(Command& program, std::span<const std::string> words)
+      : command_(named_command(program, words)), words_(words) {}
+
+  std::vector<std::string> words(const std::function<void(std::string_view)>& hint) {
+    std::vector<std::string> present;
+    for (std::size_t i = 0; i < words_.size(); ++i) {
+      if (words_[i] == "--") {
+        present.insert(present.end(), words_.begin() + static_cast<std::ptrdiff_t>(i), words_.end());
+        break;
+      }
+      const auto meant = meaning(i);
+      present.push_back(meant ? meant->word : words_[i]);
+      if (!meant) continue;
+      if (hint) {
+        hint(command_.full_name() + ": " + words_[i] +
+             " is an old spelling, which the next release does not know; expected \"" + meant->word + '"');
+      }
+      i += meant->values;
+    }
+    return present;
+  }
+
+ private:
+  struct Meaning {
+    std::string word;
+    std::size_t values = 0;  ///< words behind the old one that are in it
+  };
+
+  [[nodiscard]] std::optional<Meaning> meaning(std::size_t at) const {
+    const std::string& word = words_[at];
+    const bool is_argument = !word.starts_with('-');
+    if (is_argument && at > 0 && takes_next_word(command_, words_[at - 1])) return std::nullopt;
+    const std::size_t equals = is_argument ? std::string::npos : word.find('=');
+    const std::string name = is_argument ? std::string() : word.substr(0, equals);
+    const bool is_next = !is_argument && equals == std::string::npos;
+    if (is_next && at + 1 == words_.size()) return std::nullopt;
+    const std::string value = is_argument ? word : is_next ? words_[at + 1] : word.substr(equals + 1);
+    for (const OldSpelling& spelling : command_.old_spellings()) {
+      if (spelling.old != name) continue;
+      const auto meant = spelling.value ? spelling.value(value) : std::optional(value);
+      if (!meant) continue;
+      return Meaning{.word = spelling.now.empty() ? *meant : spelling.now + '=' + *meant,
+                     .values = is_next ? 1U : 0U};
+    }
+    return std::nullopt;
+  }
+
+  Command& command_;
+  std::span<const std::string> words_;
 };
 
 class Parser {
@@ -186,8 +267,11 @@ class Parser {
       return {.result = Parsing::Result::answered, .text = with_shown_names(answer.str())};
     }
     const bool misfit = code == ExtrasError || code == RequiredError;
-    return {.result = misfit ? Parsing::Result::misfit : Parsing::Result::wrong,
-            .text = with_shown_names(error.what())};
+    std::string text = with_shown_names(error.what());
+    constexpr std::string_view excludes = " excludes ";  // CLI11's word
+    if (const auto at = text.find(excludes); code == ExcludesError && at != std::string::npos)
+      text.replace(at, excludes.size(), " cannot be combined with ");
+    return {.result = misfit ? Parsing::Result::misfit : Parsing::Result::wrong, .text = std::move(text)};
   }
 
   void name_commands(Parsing& parsing) const {
@@ -209,8 +293,9 @@ class Parser {
 
 }  // namespace
 
-Parsing parse_words(Command& program, std::span<const std::string> words) {
-  return Parser(program).parse(words);
+Parsing parse_words(Command& program, std::span<const std::string> words,
+                    const std::function<void(std::string_view)>& hint) {
+  return Parser(program).parse(PresentSpellings(program, words).words(hint));
 }
 
 std::string help_of(Command& program) { return Parser(program).help(); }

@@ -2,8 +2,10 @@
 // Reads a command line by the table of commands. The only part of the program that uses CLI11.
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "canopus/cli/options/command.hpp"
@@ -30,7 +32,9 @@ struct Parsing {
 };
 
 /// Puts the values into the options' targets and calls the command. Of the commands only those named are built.
-[[nodiscard]] Parsing parse_words(Command& program, std::span<const std::string> words);
+/// `hint` gets a sentence for each old spelling, before the command is called.
+[[nodiscard]] Parsing parse_words(Command& program, std::span<const std::string> words,
+                                  const std::function<void(std::string_view)>& hint = {});
 
 /// The output of --help.
 [[nodiscard]] std::string help_of(Command& program);

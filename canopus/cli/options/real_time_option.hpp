@@ -25,10 +25,10 @@ struct RealTimeOption {
 inline void add_real_time_option(Command& command, RealTimeOption& option) {
   constexpr unsigned most_processors = 1023;
   command
-      .add_flag("--realtime", option.text,
-                "Ask the system for SCHED_FIFO and locked memory, =PROCESSOR: on that processor alone; what "
-                "is refused is said, "
-                "and the run goes on without it")
+      .add_flag(
+          "--realtime", option.text,
+          "Request SCHED_FIFO and locked memory of the system, =PROCESSOR: on that processor alone; what the "
+          "system refuses is reported, and the run goes on without it")
       ->type_name("[PROCESSOR]")
       ->check([](const std::string& text) {
         return text == RealTimeOption::any ? std::string() : number_from(0, most_processors)(text);

@@ -89,7 +89,7 @@ NewFile::~NewFile() {
   forget_signals();
 }
 
-std::expected<void, std::string> NewFile::keep() {
+std::expected<void, std::string> NewFile::commit() {
   if (!is_beside_) return {};
   if (std::rename(path_.c_str(), name_.c_str()) != 0) {
     return std::unexpected(name_ + ": cannot create the file: " + std::strerror(errno));
@@ -108,7 +108,7 @@ std::expected<void, std::string> write_new_file(const std::string& name, std::st
   if (!stream) {
     return std::unexpected("cannot write " + name + ": " + (errno != 0 ? std::strerror(errno) : "I/O error"));
   }
-  return file.keep();
+  return file.commit();
 }
 
 }  // namespace canopus::cli

@@ -23,7 +23,7 @@ class NewFile {
   /// The path to open and write.
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
   /// It is whole and closed. The error names it.
-  [[nodiscard]] std::expected<void, std::string> keep();
+  [[nodiscard]] std::expected<void, std::string> commit();
 
  private:
   std::string name_;

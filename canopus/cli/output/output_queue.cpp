@@ -83,7 +83,7 @@ struct OutputQueue::Shared {
   }
 
   void run();
-  void take_batch();
+  void move_batch();
   bool write_batch(std::unique_lock<std::mutex>& lock);
   void fail(int reason);
   [[nodiscard]] bool reader_is_gone() const;
@@ -103,7 +103,7 @@ bool OutputQueue::Shared::reader_is_gone() const {
   return ::poll(&state, 1, 0) == 1 && (state.revents & POLLERR) != 0;
 }
 
-void OutputQueue::Shared::take_batch() {
+void OutputQueue::Shared::move_batch() {
   batch.clear();
   std::swap(batch, waiting);
   if (unsaid != 0 && use.lost_line) batch += use.lost_line(unsaid);
@@ -153,7 +153,7 @@ void OutputQueue::Shared::run() {
       continue;
     }
     if (waiting.empty() && unsaid == 0) break;
-    take_batch();
+    move_batch();
     has_written = true;
     if (!write_batch(lock)) break;
   }

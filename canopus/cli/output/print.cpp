@@ -23,7 +23,7 @@ class StandardStream final : public Output {
   explicit StandardStream(int descriptor) : descriptor_(descriptor) {}
   void divert(Output* to) { diverted_ = to; }
   /// Lines that cannot be written are dropped; end_keeping_quiet() returns the reason (errno, or 0).
-  void keep_quiet() {
+  void silence() {
     is_quiet_ = true;
     error_ = 0;
   }
@@ -121,7 +121,7 @@ int run_ignoring_sigpipe(const std::function<int()>& work) {
       struct sigaction ignored {};
       ignored.sa_handler = SIG_IGN;
       (void)::sigaction(SIGPIPE, &ignored, &before);
-      stream(STDOUT_FILENO).keep_quiet();
+      stream(STDOUT_FILENO).silence();
     }
     ~Quiet() {
       (void)::sigaction(SIGPIPE, &before, nullptr);

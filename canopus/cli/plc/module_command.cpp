@@ -249,7 +249,7 @@ void build_module_command(Command& command, int& exit_code) {
                             standard_output(), standard_error());
   });
 
-  Command* info = command.add_subcommand("info", "What the manual says of a module and no register shows");
+  Command* info = command.add_subcommand("info", "Data of a module from its manual");
   info->add_option("MODEL", words->model, "for example me3can1-q")->required();
   info->add_option("--store", words->store,
                    "Its folder in a plant's store: how often its flash memory was written")
@@ -283,7 +283,7 @@ void build_module_command(Command& command, int& exit_code) {
 }  // namespace
 
 void add_module_command(Command& app, int& exit_code) {
-  app.add_subcommand("module", "Say what the soft modules are, and describe them to other tools",
+  app.add_subcommand("module", "List the supported modules, their data sheets, EDS files and status",
                      [&exit_code](Command& command) { build_module_command(command, exit_code); });
 }
 

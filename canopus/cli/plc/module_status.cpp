@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/options/command.hpp"
-#include "canopus/cli/output/json_fields.hpp"
 #include "canopus/client/control_client.hpp"
+#include "canopus/text/json_fields.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
@@ -64,7 +64,7 @@ void print_history(const Json& module, Output& out) {
   }
 }
 
-int ask(const ModuleStatusArguments& arguments) {
+int request_and_print(const ModuleStatusArguments& arguments) {
   const auto complain = [](int code, const std::string& what) {
     print_error("canopus: {}", what);
     return code;
@@ -75,10 +75,11 @@ int ask(const ModuleStatusArguments& arguments) {
   if (!timeout) return complain(2, "--timeout: " + timeout.error());
   Json request{{"request", "modules"}};
   if (!arguments.module.empty()) request["module"] = arguments.module;
-  const auto answer = client::ask_control({.host = place->host,
-                                           .port = place->port,
-                                           .timeout = std::chrono::ceil<std::chrono::milliseconds>(*timeout)},
-                                          request);
+  const auto answer =
+      client::request_control({.host = place->host,
+                               .port = place->port,
+                               .timeout = std::chrono::ceil<std::chrono::milliseconds>(*timeout)},
+                              request);
   if (!answer) return complain(1, answer.error());
   if (arguments.json) {
     print_json(*answer);
@@ -122,7 +123,7 @@ void add_module_status(Command& module_command, int& exit_code) {
   Command* status = module_command.add_subcommand(
       "status", "The modules of a running plant: LEDs, function mode, baud rate, node-ID, errors in words");
   status->add_option("NAME", arguments->module, "one module, as the plant file calls it, or \"RJ71CN91 U0\"");
-  status->add_option("--at", arguments->at, "where the plant can be controlled")
+  status->add_option("--at", arguments->at, "control server of the plant")
       ->type_name("HOST:PORT")
       ->capture_default_str();
   status->add_option("--timeout", arguments->timeout, "to connect, and for the answer")
@@ -134,7 +135,7 @@ void add_module_status(Command& module_command, int& exit_code) {
       "node-ID.\n"
       "Exit code: 0 done, 1 the plant refused or could not be reached, 2 wrong command line.");
   // The shared pointer keeps the arguments as long as the command.
-  status->callback([arguments, &exit_code] { exit_code = ask(*arguments); });
+  status->callback([arguments, &exit_code] { exit_code = request_and_print(*arguments); });
 }
 
 }  // namespace canopus::cli

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/ascii/number.hpp"
 #include "canopus/ascii/words.hpp"
 #include "canopus/text/nearest_word.hpp"
@@ -72,8 +73,8 @@ std::expected<std::uint32_t, std::string> find_word(std::string_view name, std::
     for (NamedWords& words : named_words(entry)) {
       if (words.name == wanted->name) {
         if (wanted->index >= words.count()) {
-          return std::unexpected(fmt::format("'{}': {} has {} words; expected [0] to [{}]", name, words.name,
-                                             words.count(), words.count() - 1));
+          return std::unexpected(fmt::format("'{}': {} has {}; expected [0] to [{}]", name, words.name,
+                                             ascii::counted(words.count(), "word"), words.count() - 1));
         }
         const std::uint32_t address = words.first + wanted->index * words.stride;
         if (found && *found != address) {

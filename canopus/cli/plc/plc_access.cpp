@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/number.hpp"
+#include "canopus/ascii/words.hpp"
 #include "canopus/cli/output/print.hpp"
 #include "canopus/cli/plc/module_words.hpp"
 #include "canopus/cli/plc/transfer_setups.hpp"
@@ -71,6 +73,45 @@ int plc_failed(int exit_code, const std::string& message) {
   return exit_code;
 }
 
+std::expected<PlcPlace, std::string> parse_plc_place(std::string_view text) {
+  const auto refuse = [text](std::string_view why) {
+    return std::unexpected(
+        fmt::format("\"{}\" {}; expected for example 192.168.3.39, 192.168.3.39:5007 or 5007", text, why));
+  };
+  std::string_view host = text;
+  std::string_view port;
+  if (text.starts_with('[')) {
+    const std::size_t end = text.find(']');
+    if (end == std::string_view::npos) return refuse("is no address of a PLC");
+    host = text.substr(1, end - 1);
+    const std::string_view behind = text.substr(end + 1);
+    if (!behind.empty() && !behind.starts_with(':')) return refuse("is no address of a PLC");
+    port = behind.empty() ? behind : behind.substr(1);
+    if (!behind.empty() && port.empty()) return refuse("has no port behind the colon");
+  } else if (std::ranges::count(text, ':') == 1) {  // more of them: an address of IPv6
+    host = text.substr(0, text.find(':'));
+    port = text.substr(host.size() + 1);
+    if (port.empty()) return refuse("has no port behind the colon");
+  } else if (std::ranges::all_of(text, ascii::is_digit)) {
+    host = {};
+    port = text;
+  }
+  PlcPlace place;
+  if (!host.empty()) place.host = std::string(host);
+  if (!port.empty()) {
+    const auto number = ascii::parse_number<std::uint32_t>(port);
+    if (!number || *number == 0 || *number > 65535) return refuse("has no port from 1 to 65535");
+    place.port = static_cast<std::uint16_t>(*number);
+  }
+  if (!place.host && !place.port) return refuse("is no address of a PLC");
+  return place;
+}
+
+std::string plc_place_text(const std::string& host, std::optional<std::uint16_t> port) {
+  if (!port) return host;
+  return fmt::format("{}:{}", host.contains(':') ? "[" + host + "]" : host, *port);
+}
+
 void use_setup(const TransferSetup& setup, PlcArguments& arguments) {
   arguments.connection.host = setup.host;
   arguments.connection.ascii = setup.ascii;
@@ -98,8 +139,8 @@ client::PlcNotation notation_of(const PlcArguments& arguments) noexcept {
 
 /// Connects, then does it. Everything on the command line has been understood by then.
 int with_client(const PlcArguments& arguments, const std::function<int(client::PlcClient&)>& action) {
-  constexpr std::uint16_t usual_port = 5007;
-  constexpr std::uint16_t usual_modbus_port = 502;
+  constexpr std::uint16_t default_port = 5007;
+  constexpr std::uint16_t default_modbus_port = 502;
   constexpr std::size_t longest_password = 32;
   if (const std::string why = why_not_together(arguments); !why.empty()) return plc_failed(usage, why);
   const auto timeout = text::parse_duration(arguments.timeout);
@@ -113,7 +154,7 @@ int with_client(const PlcArguments& arguments, const std::function<int(client::P
     connection.module_io = static_cast<std::uint16_t>(before_first_cpu + std::stoul(arguments.cpu));
   }
   connection.unit = static_cast<std::uint8_t>(arguments.unit.value_or(connection.unit));
-  connection.port = arguments.port.value_or(arguments.modbus ? usual_modbus_port : usual_port);
+  connection.port = arguments.port.value_or(arguments.modbus ? default_modbus_port : default_port);
   connection.timeout = std::chrono::ceil<std::chrono::milliseconds>(*timeout);
   if (!connection.remote_password.empty()) {
     if (connection.frame != Frame::frame_3e && connection.frame != Frame::frame_4e)

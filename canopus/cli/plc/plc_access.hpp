@@ -2,6 +2,7 @@
 // Common to the subcommands of `canopus plc`: their arguments, addresses, values as text, reading and
 // writing.
 
+#include <chrono>
 #include <cstdint>
 #include <expected>
 #include <functional>
@@ -50,6 +51,19 @@ int write_and_verify(client::PlcClient& client, const client::PlcPoint& point, c
                      std::span<const std::uint8_t> bits);
 int write_and_verify(client::PlcClient& client, const client::PlcPoint& point, const PlcArguments& arguments,
                      std::span<const std::uint16_t> words);
+
+/// When a watch begins and ends, and the time between its readings.
+struct WatchTimes {
+  using Clock = std::chrono::steady_clock;
+  Clock::duration interval{};
+  Clock::time_point start{};
+  Clock::time_point end = Clock::time_point::max();
+};
+/// From now on, as --interval and --for have it; the error is a sentence.
+[[nodiscard]] std::expected<WatchTimes, std::string> watch_times(const PlcArguments& arguments);
+
+/// Reads again and again until the end, or until a reading returns another exit code than `done`; it gets the seconds since the start.
+int watch(const WatchTimes& times, const std::function<int(double seconds)>& read);
 
 // Subcommands with a source of their own.
 int watch_plc(const client::PlcPoint& point, const PlcArguments& arguments);

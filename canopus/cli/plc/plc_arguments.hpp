@@ -2,8 +2,11 @@
 // The arguments for a PLC: its connection, and what to read or write.
 
 #include <cstdint>
+#include <expected>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "canopus/client/plc_client.hpp"
@@ -39,9 +42,24 @@ struct PlcArguments {
   bool csv = false;
   bool json = false;
   std::string file;
+  std::string at{};     ///< control server of a plant: what is read and written is a variable of its program
+  std::string plc{};    ///< whose program or signals; empty: of the only one, or of all
+  std::string plant{};  ///< plant file of signals; empty: plant.toml of the working folder
 };
 
-/// --setup, --host, --port, the frames, --timeout and so on.
+/// The value of --plc, "192.168.3.39", "192.168.3.39:5007", "5007" or "[fe80::1]:5007".
+struct PlcPlace {
+  std::optional<std::string> host{};
+  std::optional<std::uint16_t> port{};
+};
+[[nodiscard]] std::expected<PlcPlace, std::string> parse_plc_place(std::string_view text);
+/// As --plc is written for this place.
+[[nodiscard]] std::string plc_place_text(const std::string& host, std::optional<std::uint16_t> port);
+
+/// --plc; `use` gets its value.
+void add_plc_option(Command& command, const char* help, std::function<void(const PlcPlace&)> use);
+
+/// --setup, --plc, the frames, --timeout and so on.
 void add_connection_options(Command& command, PlcArguments& arguments);
 
 /// The setup's values take the place of those that are there.

@@ -1,5 +1,3 @@
-#include "canopus/cli/plc/plc_command.hpp"
-
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -14,9 +12,12 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/output/print.hpp"
 #include "canopus/cli/plc/plc_access.hpp"
+#include "canopus/cli/plc/plc_program.hpp"
+#include "canopus/cli/plc/plc_signals.hpp"
 #include "canopus/cli/plc/transfer_setups.hpp"
 #include "canopus/client/plc_address.hpp"
 #include "canopus/client/plc_client.hpp"
@@ -96,7 +97,7 @@ int operate(const PlcArguments& arguments, client::PlcOperation operation,
 int no_more(client::PlcClient& /*client*/) { return done; }
 
 /// A CPU in STOP answers PAUSE with 0000H, too, and stays in STOP [SH-080931 11.2].
-int look_for_pause(client::PlcClient& client) {
+int refuse_pause_in_stop(client::PlcClient& client) {
   const auto stopped = client.read_bits({.at = {.device = plc::Device::sm, .number = 203}}, 1);
   if (!stopped || stopped->front() == 0) return done;
   return plc_failed(refused, "the CPU is in STOP and stays there: PAUSE is reached from RUN alone");
@@ -121,6 +122,16 @@ int with_point(const PlcArguments& arguments,
   return point ? action(*point, arguments) : plc_failed(usage, point.error());
 }
 
+/// The same, or the action for a signal of a plant or for a variable of a program.
+int with_name(const PlcArguments& arguments, int (*with_point_action)(const PlcPoint&, const PlcArguments&),
+              int (*with_signal)(const PlcArguments&), int (*with_variable)(const PlcArguments&)) {
+  if (is_signal(arguments)) {
+    return arguments.count == 1 ? with_signal(arguments)
+                                : plc_failed(usage, "--count: a signal is one value; expected an address");
+  }
+  return is_variable(arguments) ? with_variable(arguments) : with_point(arguments, with_point_action);
+}
+
 /// Empty, or what is wrong with the name.
 std::string use_setup(const std::string& name, PlcArguments& arguments) {
   const auto setup = find_transfer_setup(name);
@@ -135,7 +146,7 @@ void add_address(Command& command, PlcArguments& arguments, const char* help) {
 }
 
 void add_verify_option(Command& command, PlcArguments& arguments) {
-  command.add_flag("--no-verify", arguments.no_verify, "do not read back what was written");
+  command.add_flag("--no-verify", arguments.no_verify, "do not read the values back");
 }
 
 void add_reading_options(Command& command, PlcArguments& arguments) {
@@ -150,7 +161,78 @@ void add_reading_options(Command& command, PlcArguments& arguments) {
   command.add_flag("--signed", arguments.as_signed, "decimal from -32768 to 32767");
 }
 
+constexpr const char* address_or_name =
+    "the first device or buffer memory address; a signal of a plant: drive.6041, drive.Statusword; or a "
+    "variable of a program: "
+    "Main.step";
+
+void add_program_options(Command& command, PlcArguments& arguments) {
+  command
+      .add_option("--at", arguments.at,
+                  "control server of the plant; ADDRESS is a variable then [127.0.0.1:29540]")
+      ->type_name("HOST:PORT");
+  command
+      .add_option("--name", arguments.plc,
+                  "name of the PLC in the plant file, if several have the signal or a program")
+      ->type_name("NAME");
+}
+
+/// The subcommands for the program that a simulated PLC runs.
+void add_program_commands(Command& plc, const std::shared_ptr<PlcArguments>& arguments, int& exit_code) {
+  const auto add = [&](const char* name, const char* help, std::function<int(const PlcArguments&)> action) {
+    Command& command = *plc.add_subcommand(name, help);
+    add_program_options(command, *arguments);
+    command.add_option("--timeout", arguments->timeout, "to connect, and for the answer")
+        ->capture_default_str();
+    command.add_flag("--json", arguments->json, "the answer as one JSON object");
+    // The shared pointer keeps the arguments as long as the command.
+    command.callback([arguments, &exit_code, action = std::move(action)] { exit_code = action(*arguments); });
+    return &command;
+  };
+  const auto add_name = [&](Command& command, bool is_required) {
+    command.add_option("NAME", arguments->address, "Main.step, list[3].x")->required(is_required);
+  };
+  const auto add_place = [&](Command& command, bool is_required) {
+    command.add_option("FILE:LINE", arguments->address, "main.st:12")->required(is_required);
+  };
+  const auto control = [](const char* request) {
+    return [request](const PlcArguments& all) { return control_program(all, request); };
+  };
+  add("program", "Show the state of the program that the CPU runs, its scan, tasks, breaks and forces",
+      show_program);
+  auto* forcing = add("force", "Give a variable a value before and after every scan", force_variable);
+  add_name(*forcing, true);
+  forcing->add_option("VALUE", arguments->values, "1234, TRUE, T#1s")->required();
+  add_name(*add("unforce", "Release a forced variable, or all", release_variable), false);
+  add("halt", "Execute the program no further; plant time goes on, and Y stay", control("halt program"));
+  add("scan", "Execute one scan of the program, then halt it", control("single scan"));
+  add("continue", "Execute a halted program further", control("continue program"));
+  add_place(*add("break", "Halt the program before a line", set_break), true);
+  add_place(*add("clear-break", "Remove a break, or all", clear_break), false);
+  add("change", "Online change: compile the program's files anew; variables keep their values",
+      change_program);
+}
+
 }  // namespace
+
+void add_plc_option(Command& command, const char* help, std::function<void(const PlcPlace&)> use) {
+  command
+      .add_option_function(
+          "--plc",
+          [use = std::move(use)](const std::string& text) {
+            const auto place = parse_plc_place(text);
+            if (!place) return place.error();
+            use(*place);
+            return std::string();
+          },
+          help)
+      ->type_name("[HOST:]PORT")
+      ->expected(1, 2)
+      ->allow_extra_args(false);
+  const auto port = [](std::string_view value) { return std::optional(":" + std::string(value)); };
+  command.add_old_spelling({.old = "--host", .now = "--plc"});
+  command.add_old_spelling({.old = "--port", .now = "--plc", .value = port});
+}
 
 void add_connection_options(Command& command, PlcArguments& arguments) {
   // The first: options are taken in this order, so each of the others takes the place of the setup's value.
@@ -158,10 +240,11 @@ void add_connection_options(Command& command, PlcArguments& arguments) {
       "--setup", [&arguments](const std::string& name) { return use_setup(name, arguments); },
       "a transfer setup by its name (canopus configure setup); the other options go before its values");
   setup->type_name("NAME");
-  command.add_option("--host", arguments.connection.host, "the PLC's address")->capture_default_str();
-  command.add_option("--port", arguments.port, "of the PLC [5007, with --modbus 502]")
-      ->type_name("PORT")
-      ->check(number_from(1, 65535));
+  add_plc_option(command, "address of the PLC [127.0.0.1], its port [5007, with --modbus 502], or both",
+                 [&arguments](const PlcPlace& place) {
+                   if (place.host) arguments.connection.host = *place.host;
+                   if (place.port) arguments.port = *place.port;
+                 });
   command.add_flag("--3e", arguments.frame_3e, "3E frames (the default)");
   command.add_flag("--4e", arguments.frame_4e, "4E frames, with serial numbers");
   command.add_flag("--1e", arguments.frame_1e, "1E frames (A-compatible)");
@@ -188,15 +271,17 @@ void add_connection_options(Command& command, PlcArguments& arguments) {
       ->capture_default_str();
   command
       .add_option("--password", arguments.connection.remote_password,
-                  "remote password of the port; in the variable nobody sees it in the list of processes")
+                  "remote password of the port; the variable keeps it out of the list of processes")
       ->envname("CANOPUS_PLC_PASSWORD")
       ->type_name("TEXT");
-  command.add_option("--unit", arguments.unit, "Modbus: unit identifier [255: whoever has the port]")
+  command.add_option("--unit", arguments.unit, "Modbus: unit identifier [255: any]")
       ->type_name("0-255")
       ->check(number_from(0, 255));
-  command.add_option("--timeout", arguments.timeout, "to connect and for each answer")->capture_default_str();
+  command.add_option("--timeout", arguments.timeout, "to connect and for each answer")
+      ->type_name("TIME")
+      ->capture_default_str();
   command.add_flag("--octal", arguments.octal, "X and Y are counted in octal, as by an FX");
-  command.add_option("--module", arguments.module, "whose words a name as U0:error_status is about")
+  command.add_option("--module", arguments.module, "module of names such as U0:error_status")
       ->type_name("MODEL");
 }
 
@@ -210,6 +295,12 @@ void build_plc_command(Command& plc, int& exit_code) {
       "backslash.\n"
       "U3:error_status is buffer memory by the name of the module's manual (canopus plc names).\n"
       "With --modbus: an AS300's D100, SR7, M0, X0.5, X0 (word), or coil:5 discrete:5 holding:5 input:5.\n"
+      "drive.6041, drive.Statusword, line1:4.6041: a signal that the plant exchanges by PDO, with its unit "
+      "and its bits in words; "
+      "canopus plc\nsignals lists them.\n"
+      "Main.step, list[3].x, counter: variables of the program that a simulated PLC runs, over the control "
+      "server of\nthe plant ([plant] control), as for program, force, unforce, halt, scan, continue, break, "
+      "clear-break, change.\n"
       "What is written is read back: a CPU answers as if all were well when a word or an input cannot be "
       "written.\n"
       "Exit code: 0 done, 1 the PLC refused, shows something else than what was written, or could not be "
@@ -223,13 +314,22 @@ void build_plc_command(Command& plc, int& exit_code) {
     return &command;
   };
 
-  auto* reading = add("read", "Show words or bits", [arguments] { return with_point(*arguments, read); });
-  add_address(*reading, *arguments, "the first device or buffer memory address");
+  auto* reading = add("read", "Show words or bits, a signal or a variable",
+                      [arguments] { return with_name(*arguments, read, read_signal, read_variable); });
+  add_address(*reading, *arguments, address_or_name);
   add_reading_options(*reading, *arguments);
+  add_plant_option(*reading, *arguments);
+  add_program_options(*reading, *arguments);
 
-  auto* writing = add("write", "Write words or bits", [arguments] { return with_point(*arguments, write); });
-  add_address(*writing, *arguments, "the first device or buffer memory address");
-  writing->add_option("VALUE", arguments->values, "1234, -5, 0x4D2, 4D2H; ON or OFF for bits")->required();
+  auto* writing = add("write", "Write words or bits, a signal or a variable",
+                      [arguments] { return with_name(*arguments, write, write_signal, write_variable); });
+  add_address(*writing, *arguments, address_or_name);
+  add_plant_option(*writing, *arguments);
+  add_program_options(*writing, *arguments);
+  writing
+      ->add_option("VALUE", arguments->values,
+                   "1234, -5, 0x4D2, 4D2H; ON or OFF for bits; T#1s of a variable")
+      ->required();
   add_verify_option(*writing, *arguments);
 
   for (const bool on : {true, false}) {
@@ -243,16 +343,21 @@ void build_plc_command(Command& plc, int& exit_code) {
     add_verify_option(*switching, *arguments);
   }
 
-  auto* watching = add("watch", "Show values and then every change, with its time",
-                       [arguments] { return with_point(*arguments, watch_plc); });
-  add_address(*watching, *arguments, "the first device or buffer memory address");
+  auto* watching = add("watch", "Show values and then every change, with its time", [arguments] {
+    return with_name(*arguments, watch_plc, watch_signal, watch_variable);
+  });
+  add_address(*watching, *arguments, address_or_name);
   add_reading_options(*watching, *arguments);
-  watching->add_option("--interval", arguments->interval, "time between two readings")->capture_default_str();
-  watching->add_option("--for", arguments->duration, "stop after this time instead of Ctrl-C");
+  add_plant_option(*watching, *arguments);
+  add_program_options(*watching, *arguments);
+  watching->add_option("--interval", arguments->interval, "time between two readings")
+      ->type_name("TIME")
+      ->capture_default_str();
+  watching->add_option("--for", arguments->duration, "stop after this time instead of Ctrl-C")
+      ->type_name("TIME");
   auto* csv =
       watching->add_flag("--csv", arguments->csv, "a row of all values for each change, for a spreadsheet");
-  watching->add_flag("--json", arguments->json, "one JSON object per line with what has changed")
-      ->excludes(csv);
+  watching->add_flag("--json", arguments->json, "one JSON object per line with the changes")->excludes(csv);
 
   auto* dumping = add("dump", "Write ranges as CSV, for load", [arguments] { return dump_plc(*arguments); });
   dumping
@@ -261,7 +366,7 @@ void build_plc_command(Command& plc, int& exit_code) {
   dumping->add_option("-o,--output", arguments->file, "instead of the standard output")->type_name("FILE");
 
   auto* loading =
-      add("load", "Write what dump has written back", [arguments] { return load_plc(*arguments); });
+      add("load", "Write the values of a dump back", [arguments] { return load_plc(*arguments); });
   loading->add_option("FILE", arguments->file, "CSV of addresses and values; - is the standard input")
       ->required();
   add_verify_option(*loading, *arguments);
@@ -270,11 +375,17 @@ void build_plc_command(Command& plc, int& exit_code) {
     exit_code = list_plc_names();
   });
 
+  Command& signals =
+      *plc.add_subcommand("signals", "List the signals of a plant and their words, for NODE.OBJECT");
+  add_plant_option(signals, *arguments);
+  signals.add_option("--name", arguments->plc, "only those of this PLC of the plant")->type_name("NAME");
+  signals.callback([arguments, &exit_code] { exit_code = list_signals(*arguments); });
+
   using client::PlcOperation;
   add("run", "Remote RUN", [arguments] { return operate(*arguments, PlcOperation::run, no_more); });
   add("stop", "Remote STOP", [arguments] { return operate(*arguments, PlcOperation::stop, no_more); });
   add("pause", "Remote PAUSE: the program stops, outputs stay as they are",
-      [arguments] { return operate(*arguments, PlcOperation::pause, look_for_pause); });
+      [arguments] { return operate(*arguments, PlcOperation::pause, refuse_pause_in_stop); });
   add("reset-cpu",
       "Remote reset, in STOP and where the CPU allows it: devices are cleared, modules start anew",
       [arguments] { return operate(*arguments, PlcOperation::reset, no_more); });
@@ -282,6 +393,7 @@ void build_plc_command(Command& plc, int& exit_code) {
     return with_client(*arguments, [&](client::PlcClient& client) { return type(client, *arguments); });
   });
   asking->add_flag("--json", arguments->json, "as one JSON object");
+  add_program_commands(plc, arguments, exit_code);
 }
 
 }  // namespace

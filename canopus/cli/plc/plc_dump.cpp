@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/cli/output/new_file.hpp"
 #include "canopus/cli/output/print.hpp"
 #include "canopus/cli/plc/module_words.hpp"
@@ -152,7 +153,7 @@ int load_plc(const PlcArguments& arguments) {
       if (code != done) return code;
       points += block.values.size();
     }
-    print_line("{} points written", points);
+    print_line("{} written", ascii::counted(points, "point"));
     return done;
   });
 }

@@ -17,7 +17,6 @@ namespace canopus::cli {
 namespace {
 
 using client::PlcPoint;
-using WatchClock = std::chrono::steady_clock;
 using Json = text::Json;
 
 /// Prints one reading of a watch.
@@ -66,46 +65,50 @@ class WatchPrinter {
   std::vector<std::uint16_t> values_;
 };
 
-int watch_until(client::PlcClient& client, const PlcPoint& point, const PlcArguments& arguments,
-                WatchClock::duration interval, WatchClock::time_point start, WatchClock::time_point end) {
-  WatchPrinter printer(point, arguments);
-  WatchClock::time_point next = start;
+}  // namespace
+
+std::expected<WatchTimes, std::string> watch_times(const PlcArguments& arguments) {
+  const auto interval = text::parse_duration(arguments.interval);
+  if (!interval) return std::unexpected("--interval: " + interval.error());
+  if (*interval < std::chrono::milliseconds(1)) return std::unexpected("--interval: expected at least 1ms");
+  WatchTimes times{.interval = *interval, .start = WatchTimes::Clock::now()};
+  if (!arguments.duration.empty()) {
+    const auto duration = text::parse_duration(arguments.duration);
+    if (!duration) return std::unexpected("--for: " + duration.error());
+    times.end = times.start + *duration;
+  }
+  return times;
+}
+
+int watch(const WatchTimes& times, const std::function<int(double seconds)>& read) {
+  WatchTimes::Clock::time_point next = times.start;
   while (true) {
-    const auto since_start = [start] {
-      return std::chrono::duration<double>(WatchClock::now() - start).count();
-    };
-    if (arguments.csv || arguments.json) {
-      const auto values = read_values(client, point, arguments.count);
-      if (!values) return plc_failed(refused, values.error());
-      printer.values(since_start(), *values);
-    } else {
-      const auto texts = read_points(client, point, arguments);
-      if (!texts) return plc_failed(refused, texts.error());
-      printer.text(since_start(), *texts);
-    }
-    next += interval;
+    const int code = read(std::chrono::duration<double>(WatchTimes::Clock::now() - times.start).count());
+    if (code != done) return code;
     // A slow PLC is asked again at once, not in a burst.
-    next = std::max(next, WatchClock::now());
-    if (next > end) return done;
+    next = std::max(next + times.interval, WatchTimes::Clock::now());
+    if (next > times.end) return done;
     std::this_thread::sleep_until(next);
   }
 }
 
-}  // namespace
-
 int watch_plc(const PlcPoint& point, const PlcArguments& arguments) {
-  const auto interval = text::parse_duration(arguments.interval);
-  if (!interval) return plc_failed(usage, "--interval: " + interval.error());
-  if (*interval < std::chrono::milliseconds(1)) return plc_failed(usage, "--interval: expected at least 1ms");
-  const WatchClock::time_point start = WatchClock::now();
-  WatchClock::time_point end = WatchClock::time_point::max();
-  if (!arguments.duration.empty()) {
-    const auto duration = text::parse_duration(arguments.duration);
-    if (!duration) return plc_failed(usage, "--for: " + duration.error());
-    end = start + *duration;
-  }
+  const auto times = watch_times(arguments);
+  if (!times) return plc_failed(usage, times.error());
   return with_client(arguments, [&](client::PlcClient& client) {
-    return watch_until(client, point, arguments, *interval, start, end);
+    WatchPrinter printer(point, arguments);
+    return watch(*times, [&](double seconds) {
+      if (arguments.csv || arguments.json) {
+        const auto values = read_values(client, point, arguments.count);
+        if (!values) return plc_failed(refused, values.error());
+        printer.values(seconds, *values);
+      } else {
+        const auto texts = read_points(client, point, arguments);
+        if (!texts) return plc_failed(refused, texts.error());
+        printer.text(seconds, *texts);
+      }
+      return done;
+    });
   });
 }
 

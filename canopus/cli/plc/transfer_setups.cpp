@@ -61,7 +61,7 @@ std::string line_of(const std::string& name, const TransferSetup& setup) {
 }
 
 /// A value of a line. Empty: taken.
-std::string take_value(const std::string& key, const SetupJson& value, TransferSetup& setup) {
+std::string read_value(const std::string& key, const SetupJson& value, TransferSetup& setup) {
   constexpr std::uint64_t highest_port = 65535;
   constexpr std::uint64_t highest_cpu = 4;
   if (const auto* const text = std::ranges::find(setup_texts, key, &SetupText::key);
@@ -89,7 +89,7 @@ std::string take_value(const std::string& key, const SetupJson& value, TransferS
 }
 
 /// One line of the file. Empty: taken.
-std::string take_line(std::string_view text, TransferSetups& setups) {
+std::string read_line(std::string_view text, TransferSetups& setups) {
   const auto line = text::parse_json(text).value_or(SetupJson());
   if (!line.is_object()) return "expected a JSON object";
   TransferSetup setup;
@@ -99,7 +99,7 @@ std::string take_line(std::string_view text, TransferSetups& setups) {
   if (std::string why = why_no_setup_name(called); !why.empty()) return why;
   for (const auto& [key, value] : line.items()) {
     if (key == "name") continue;
-    if (std::string why = take_value(key, value, setup); !why.empty()) return why;
+    if (std::string why = read_value(key, value, setup); !why.empty()) return why;
   }
   if (std::string why = why_no_setup(setup); !why.empty()) return why;
   if (setups.size() >= most_transfer_setups) return fmt::format("more than {} setups", most_transfer_setups);
@@ -173,7 +173,7 @@ std::expected<TransferSetups, std::string> read_transfer_setups() {
   unsigned line = 1;
   for (std::size_t at = 0; at < text.size(); ++line) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
-    if (const std::string why = take_line(text.substr(at, end - at), setups); !why.empty())
+    if (const std::string why = read_line(text.substr(at, end - at), setups); !why.empty())
       return std::unexpected(fmt::format("{}:{}: {}", path.string(), line, why));
     at = end + 1;
   }
@@ -203,7 +203,7 @@ std::expected<void, SetupTrouble> change_transfer_setups(
   };
   const fs::path path = setups_file();
   if (path.empty()) return cannot(nowhere);
-  const auto lock = store::FolderLock::take(path.parent_path());
+  const auto lock = store::FolderLock::acquire(path.parent_path());
   if (!lock) return cannot(fmt::format("{}: {}", path.parent_path().string(), lock.error()));
   auto setups = read_transfer_setups();
   if (!setups) return std::unexpected(SetupTrouble{.is_refused = true, .message = setups.error()});

@@ -1,5 +1,6 @@
 #include "canopus/cli/run/live_table.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -24,11 +25,16 @@ void LiveTable::on(const plant::Event& event) {
 }
 
 void LiveTable::note(can::Time now, std::string_view text) {
-  events_.push_back(fmt::format("{:>10.3f}  {}", can::seconds(now), text));
+  Note note{.last = now, .text = std::string(text)};
+  if (const auto same = std::ranges::find(events_, text, &Note::text); same != events_.end()) {
+    note.count += same->count;
+    events_.erase(same);
+  }
+  events_.push_back(std::move(note));
   if (events_.size() > kept_events) events_.pop_front();
 }
 
-void LiveTable::keep(RunMessage message) {
+void LiveTable::add_message(RunMessage message) {
   if (error_output_ != nullptr) {
     RunMessages::print(message, *error_output_);
     message.is_printed = true;
@@ -46,7 +52,7 @@ void LiveTable::add(const plant::EmergencySent& event, can::Time now) {
 }
 
 void LiveTable::add(const plant::MissingAck& event, can::Time now) {
-  keep({now, describe_unacknowledged(event.node), false});
+  add_message({now, describe_unacknowledged(event.node), false});
 }
 
 void LiveTable::add(const plant::BusErrorEvent& event, can::Time now) {
@@ -70,20 +76,22 @@ void LiveTable::add(const plant::SlaveBootStep& event, can::Time now) {
   }
 }
 
-/// A warning of the plant file: the run has printed it before there was a table.
+/// The run has printed a warning of the plant file before there was a table.
 void LiveTable::add(const plant::Warning& event, can::Time now) {
+  if (now != can::Time{})
+    return add_message({now, fmt::format("{}: warning: {}", event.source, event.message), false});
   messages_.add({now, fmt::format("{}: warning: {}", event.source, event.message), false, true});
 }
 
 void LiveTable::add(const plant::ModuleError& event, can::Time) {
-  keep({event.record.at, fmt::format("{}: {}", event.module, plant::describe(event.record)), true});
+  add_message({event.record.at, fmt::format("{}: {}", event.module, plant::describe(event.record)), true});
 }
 
 void LiveTable::add(const plant::Failure& event, can::Time now) {
-  keep({now, fmt::format("{}: {}", event.source, event.message), true});
+  add_message({now, fmt::format("{}: {}", event.source, event.message), true});
 }
 
-TableState LiveTable::look(can::Time now, can::Duration lag) {
+TableState LiveTable::state(can::Time now, can::Duration lag) {
   TableState state{.plant = plant_->name(), .now = now, .lag = lag};
   if (state.plant.empty()) state.plant = std::filesystem::path(plant_->file().path).filename().string();
   for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
@@ -112,7 +120,10 @@ TableState LiveTable::look(can::Time now, can::Duration lag) {
   state.messages = messages_.latest(shown_messages);
   state.errors = messages_.errors();
   state.warnings = messages_.warnings();
-  state.events.assign(events_.begin(), events_.end());
+  for (const auto& [last, text, count] : events_) {
+    state.events.push_back(fmt::format("{:>10.3f}  {}{}", can::seconds(last), text,
+                                       count == 1 ? "" : fmt::format(" ×{}", count)));
+  }
   state.servers = servers_;
   return state;
 }

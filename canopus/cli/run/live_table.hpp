@@ -26,7 +26,7 @@ class LiveTable final : public plant::PlantObserver {
   void add_server(std::string text) { servers_.push_back(std::move(text)); }
 
   /// The state to show now.
-  [[nodiscard]] TableState look(can::Time now, can::Duration lag);
+  [[nodiscard]] TableState state(can::Time now, can::Duration lag);
   /// All errors and warnings since the start.
   [[nodiscard]] const RunMessages& messages() const noexcept { return messages_; }
 
@@ -46,12 +46,17 @@ class LiveTable final : public plant::PlantObserver {
   void add(const plant::ModuleError& event, can::Time now);
   void add(const plant::Failure& event, can::Time now);
   void note(can::Time now, std::string_view text);
-  void keep(RunMessage message);
+  void add_message(RunMessage message);
 
   plant::Plant*& plant_;
   Output* error_output_;
   std::vector<std::string> servers_;
-  std::deque<std::string> events_;  // the latest ones, newest last
+  struct Note {
+    can::Time last;
+    std::string text;
+    std::uint64_t count = 1;
+  };
+  std::deque<Note> events_;  // the latest ones, newest last
   RunMessages messages_;
   std::map<std::string, std::string, std::less<>> bus_errors_;  // the latest of each bus, by its name
   struct Count {

@@ -41,19 +41,19 @@ std::vector<std::string> not_operational(const std::vector<plant::NodeStatus>& n
   return lines;
 }
 
-void OperationalCheck::look(const std::vector<plant::NodeStatus>& nodes, can::Time now) {
+void OperationalCheck::update(const std::vector<plant::NodeStatus>& nodes, can::Time now) {
   const bool in_time = !within_ || now.time_since_epoch() <= *within_;
   came_up_ = came_up_ || (in_time && all_operational(nodes));
 }
 
 bool OperationalCheck::over(const std::vector<plant::NodeStatus>& nodes, can::Time now) {
   if (!within_) return false;
-  look(nodes, now);
+  update(nodes, now);
   return came_up_ ? !goes_on_ : now.time_since_epoch() >= *within_;
 }
 
 bool OperationalCheck::met(const std::vector<plant::NodeStatus>& nodes, can::Time now) {
-  look(nodes, now);
+  update(nodes, now);
   return came_up_ && all_operational(nodes);
 }
 

@@ -33,7 +33,7 @@ class OperationalCheck {
   [[nodiscard]] bool met(const std::vector<plant::NodeStatus>& nodes, can::Time now);
 
  private:
-  void look(const std::vector<plant::NodeStatus>& nodes, can::Time now);
+  void update(const std::vector<plant::NodeStatus>& nodes, can::Time now);
 
   std::optional<can::Duration> within_;
   bool goes_on_;

@@ -10,7 +10,9 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/output/print.hpp"
+#include "canopus/cli/plc/plc_arguments.hpp"
 #include "canopus/text/local_time.hpp"
+#include "canopus/text/version.hpp"
 
 namespace canopus::cli {
 
@@ -50,6 +52,7 @@ bool PlantServers::open() {
 void PlantServers::close() {
   runs_.end_all();
   runs_.report();
+  beacons_.clear();
   for (const auto& server : socketcand_) server->close();
   for (const auto& server : melsec_) server->stop();
   for (const auto& server : modbus_) server->stop();
@@ -113,13 +116,15 @@ bool PlantServers::open_modbus(std::size_t plc) {
     const text::HostAndPort place = place_of(port.listen);
     serve::ModbusPort settings{.settings = port.settings, .writers = port.writers};
     const std::string model(plant_.rack(plc).model().name);
-    settings.settings.identification.objects = {"Canopus", model, CANOPUS_VERSION, "",
-                                                "Canopus", model, section.name};
+    settings.settings.identification.objects = {
+        "Canopus", model, text::program_version(), "", "Canopus", model, section.name};
+    const std::string_view protocol =
+        port.settings.framing == plc::modbus::Framing::rtu ? "Modbus RTU" : "Modbus TCP";
     serve::ModbusServer& server = *modbus_.emplace_back(std::make_unique<serve::ModbusServer>(
         io_, plant_.rack(plc), clock_, std::move(settings), serve::TcpServerOptions{.allowed = port.allowed},
-        use_.report(fmt::format("Modbus TCP {}", section.name))));
+        use_.report(fmt::format("{} {}", protocol, section.name))));
     const auto result = server.listen(place.host, place.port);
-    if (!opened(result, "Modbus TCP", section.name, place, server.port())) return false;
+    if (!opened(result, protocol, section.name, place, server.port())) return false;
   }
   return true;
 }
@@ -163,6 +168,12 @@ bool PlantServers::open_socketcand(std::size_t bus) {
   const auto result = server.listen();
   if (result) socketcand_places_[bus] = {.host = place.host, .port = server.port()};
   if (result && is_for_page) return true;
+  if (result && section.announced) {
+    const asio::ip::tcp::endpoint reached(address, server.port());
+    beacons_.push_back(std::make_unique<link::SocketcandBeacon>(
+        io_, link::beacon_destination(address),
+        link::socketcand_beacon(plant_.file().name, section.name, reached)));
+  }
   return opened(result, "socketcand", section.name, place, server.port());
 }
 
@@ -193,7 +204,7 @@ std::vector<std::string> PlantServers::way_to_plc(const web::WebSettings& settin
   const plant::MelsecPortSection& port = *found->section;
   const std::string& listens = port.listen.host;
   const std::string host = listens == "0.0.0.0" ? "127.0.0.1" : listens == "::" ? "::1" : listens;
-  std::vector<std::string> way{"--host=" + host, fmt::format("--port={}", found->port)};
+  std::vector<std::string> way{"--plc=" + plc_place_text(host, found->port)};
   if (!port.settings.takes_3e) way.emplace_back("--1e");
   if (port.settings.code == plc::melsec::DataCode::ascii) way.emplace_back("--ascii");
   if (port.udp) way.emplace_back("--udp");
@@ -241,8 +252,9 @@ bool PlantServers::open_web() {
     buses.back().device_files = use_.web_project->device_files;
   }
   web_.emplace(io_, plant_, clock_, *use_.web_events, std::move(buses), settings_for_page(),
-               use_.web_project ? use_.web_project->start : std::string(), use_.web_access, use_.web_pace,
-               use_.report("web"));
+               web::WebFolders{.start = use_.web_project ? use_.web_project->start : std::string(),
+                               .traces = use_.web_traces},
+               use_.web_access, use_.web_pace, use_.report("web"));
   const text::HostAndPort place = place_of(use_.web);
   if (const auto result = web_->listen(place); !result) {
     print_error("canopus: web: {}", result.error());

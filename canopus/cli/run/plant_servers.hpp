@@ -14,6 +14,7 @@
 
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/link/peer.hpp"
+#include "canopus/link/socketcand_beacon.hpp"
 #include "canopus/link/socketcand_server.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
@@ -45,6 +46,7 @@ class PlantServers {
     /// Module settings that the page edits; those without a PLC get the plant's that has such a module.
     std::vector<web::WebSettings> web_settings{};
     web::WebAccess web_access{};
+    std::string web_traces{};  ///< folder of recorded traces that the page may open
     web::WebPace web_pace{};
     serve::PlantRuns::Order order = serve::PlantRuns::Order::side_by_side;
   };
@@ -94,6 +96,7 @@ class PlantServers {
   serve::RunControl run_control_;
   std::vector<std::unique_ptr<serve::ClientPorts>> client_ports_;  // outlive the servers
   std::vector<std::unique_ptr<link::SocketcandServer>> socketcand_;
+  std::vector<std::unique_ptr<link::SocketcandBeacon>> beacons_;
   std::map<std::size_t, text::HostAndPort> socketcand_places_;  // by bus
   std::vector<std::unique_ptr<serve::MelsecServer>> melsec_;
   std::map<std::size_t, MelsecWay> melsec_ways_;  // by PLC

@@ -1,13 +1,14 @@
-#include "canopus/cli/run/run_command.hpp"
-
 #include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
 
+#include "canopus/cli/files/given_file.hpp"
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/options/real_time_option.hpp"
+#include "canopus/cli/output/print.hpp"
 #include "canopus/cli/run/run_loop.hpp"
 #include "canopus/cli/run/web_access_options.hpp"
 #include "canopus/cli/run/web_settings.hpp"
@@ -29,7 +30,10 @@ void build_run_command(Command& command, int& exit_code) {
     RealTimeOption real_time;
   };
   auto words = std::make_shared<Words>();
-  command.add_option("PLANT", words->options.plant, "Plant file (TOML, see docs/plant-file.md)")->required();
+  command
+      .add_option("PLANT", words->options.plant,
+                  "Plant file (TOML, see docs/plant-file.md), or a folder with plant.toml")
+      ->required();
   command
       .add_option("--for", words->duration, "Stop after this much plant time, for example 10s, 500ms, 2min")
       ->type_name("TIME")
@@ -47,7 +51,7 @@ void build_run_command(Command& command, int& exit_code) {
           "scans or time (docs/control.md); without `control` in the plant file on a free port")
       ->needs(virtual_time);
   command.add_flag("--free-ports", words->options.free_ports,
-                   "Every server takes a free port instead of the plant file's, and says which");
+                   "Every server uses a free port instead of the plant file's, and prints it");
   auto* web =
       command
           .add_option("--web", words->web,
@@ -74,6 +78,12 @@ void build_run_command(Command& command, int& exit_code) {
         words->options.web_settings.push_back(std::move(*settings));
         return std::string();
       });
+  command
+      .add_flag(
+          "--allow-native", words->options.allows_native_code,
+          "Run programs of PLCs that are shared objects (program = [\"main.so\"]): native code, with all "
+          "your rights. Only for a plant that you trust; never with the page")
+      ->excludes(web);
   add_web_access_options(command, "--web-", words->options.web_access, web);
   command.add_option("--seed", words->options.seed, "Seed of everything random, instead of the plant file's")
       ->check(number_from(0, std::numeric_limits<std::uint64_t>::max()))
@@ -85,13 +95,16 @@ void build_run_command(Command& command, int& exit_code) {
       ->needs(virtual_time)
       ->check(number_from(1, 256))
       ->type_name("N");
+  add_real_time_option(command, words->real_time);
+  command.get_option("--realtime")->excludes(virtual_time);
   command
       .add_option(
-          "--link", words->options.links,
+          "--bus", words->options.links,
           "Put a bus of the plant on a real one, or on a trace: BUS=ADDRESS, with one bus ADDRESS alone; "
           "again for the next bus (docs/commands.md has the addresses)")
       ->type_name("[BUS=]ADDRESS")
       ->allow_extra_args(false);
+  command.add_old_spelling({.old = "--link", .now = "--bus"});
   command
       .add_option("--trace", words->options.trace,
                   "Record every frame: as candump log (*.log or no extension), or *.pcap, *.pcapng, *.asc, "
@@ -134,6 +147,13 @@ void build_run_command(Command& command, int& exit_code) {
       "for the rest of a request and 30 s for replies that a client does not take; docs/mc-protocol.md.\n"
       "Example: canopus run plant.toml --virtual --expect-operational=30s");
   command.callback([words, web, &exit_code] {
+    const GivenPlant plant = given_plant(words->options.plant);
+    if (!plant.wrong.empty()) {
+      print_error("canopus run: {}", plant.wrong);
+      exit_code = 2;
+      return;
+    }
+    words->options.plant = plant.path;
     if (!words->duration.empty()) words->options.duration = *text::parse_duration(words->duration);
     words->options.real_time = words->real_time.wanted();
     if (web->count() != 0) {
@@ -150,7 +170,7 @@ void build_run_command(Command& command, int& exit_code) {
 }  // namespace
 
 void add_run_command(Command& app, int& exit_code) {
-  app.add_subcommand("run", "Start everything a plant file describes, until Ctrl-C",
+  app.add_subcommand("run", "Run a plant file until Ctrl-C",
                      [&exit_code](Command& command) { build_run_command(command, exit_code); });
 }
 

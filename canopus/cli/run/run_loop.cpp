@@ -4,6 +4,8 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -15,20 +17,21 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/ascii/counted.hpp"
+#include "canopus/can/timeline.hpp"
 #include "canopus/cli/output/print.hpp"
 #include "canopus/cli/output/stop_signals.hpp"
-#include "canopus/cli/run/client_backpressure.hpp"
-#include "canopus/cli/run/drain_timeout.hpp"
 #include "canopus/cli/run/live_table.hpp"
 #include "canopus/cli/run/operational_check.hpp"
 #include "canopus/cli/run/plant_servers.hpp"
 #include "canopus/cli/run/run_output.hpp"
 #include "canopus/cli/run/run_recording.hpp"
 #include "canopus/cli/run/run_screen.hpp"
-#include "canopus/cli/run/run_summary.hpp"
 #include "canopus/link/bounded_poll.hpp"
+#include "canopus/link/loop_clock.hpp"
 #include "canopus/plant/event.hpp"
 #include "canopus/plant/events/event_printer.hpp"
+#include "canopus/plant/lift_on_bus.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/plant/plant_loading.hpp"
 #include "canopus/serve/client_reports.hpp"
@@ -36,7 +39,6 @@
 #include "canopus/serve/real_time.hpp"
 #include "canopus/serve/service_manager.hpp"
 #include "canopus/serve/slices/plant_slices.hpp"
-#include "canopus/serve/step_clock.hpp"
 #include "canopus/text/local_time.hpp"
 #include "canopus/text/text_values.hpp"
 #include "canopus/trace/print/silent_pipe.hpp"
@@ -48,6 +50,74 @@ namespace {
 namespace asio = boost::asio;
 using WallClock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
+
+/// Whether a plant in virtual time waits for the clients of its buses to read. It runs a thousand times
+/// faster than they can, and they would lose frames. A client that reads nothing for `patience` loses frames
+/// as in real time.
+class ClientBackpressure {
+ public:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::size_t enough_waiting = 512;  ///< messages; a quarter of what a client's queue holds
+  static constexpr Clock::duration patience = std::chrono::seconds(2);
+
+  /// `waiting`: messages that wait for the slowest client.
+  [[nodiscard]] bool are_behind(std::size_t waiting, Clock::time_point now) noexcept {
+    if (waiting < waiting_ || waiting < enough_waiting) progress_at_ = now;
+    waiting_ = waiting;
+    return waiting >= enough_waiting && now - progress_at_ < patience;
+  }
+
+ private:
+  std::size_t waiting_ = 0;
+  Clock::time_point progress_at_{};
+};
+
+/// How long the end of a run waits for the reader of its output. Another signal ends the waiting.
+class DrainTimeout {
+ public:
+  /// `limited`: no longer than a second for a reader that takes nothing.
+  explicit DrainTimeout(bool limited) : limited_(limited) {}
+  bool operator()(std::chrono::steady_clock::duration since_reader_took_something) {
+    io_.poll();
+    if (again_.came()) return false;
+    return !limited_ || std::min(since_reader_took_something, std::chrono::steady_clock::now() - start_) <
+                            std::chrono::seconds(1);
+  }
+
+ private:
+  boost::asio::io_context io_{1};  // its own: that of the run would serve clients in the middle of a tick
+  StopSignals again_{io_, {}};
+  bool limited_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// All figures of the plant itself at the end of its run; the run adds those of the wall clock. Views into `plant`.
+plant::RunSummary summary_of(plant::Plant& plant) {
+  plant::RunSummary summary{.end = plant.timeline().now(),
+                            .nodes = plant.nodes(),
+                            .boots = plant.boots(),
+                            .troubles = plant.troubles(),
+                            .forced = plant.forced()};
+  for (std::size_t i = 0; i < plant.bus_count(); ++i) {
+    summary.buses.push_back({plant.bus(i).name(), plant.bus(i).load(summary.end)});
+  }
+  for (std::size_t i = 0; i < plant.lift_count(); ++i) {
+    summary.lifts.push_back({plant.lift(i).bus(), plant.lift(i).building().report()});
+  }
+  return summary;
+}
+
+/// The time of a plant that is driven in step: it is stopped while clients access the plant.
+class StepClock final : public link::LoopClock {
+ public:
+  explicit StepClock(const can::Timeline& timeline) : timeline_(timeline) {}
+
+  can::Time now() override { return timeline_.now(); }
+  void touched() override {}
+
+ private:
+  const can::Timeline& timeline_;
+};
 
 /// One run from build to summary.
 class Run {
@@ -90,7 +160,7 @@ class Run {
   void show_server(std::string_view protocol, std::string_view of, const std::string& address);
   bool expectation_over();
   bool came_up();
-  void look_for_end();
+  void check_end();
   void summarise(can::Duration wall);
 
   const RunOptions& options_;
@@ -135,6 +205,12 @@ void Run::show_server(std::string_view protocol, std::string_view of, const std:
   }
 }
 
+/// Where a file lies.
+std::string folder_of(const std::string& file) {
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  return folder.empty() ? "." : folder.string();
+}
+
 PlantServers::Use Run::server_use(serve::PlantRuns::Order order, web::WebPace pace) {
   return {.opened = [this](std::string_view protocol, std::string_view of,
                            const std::string& address) { show_server(protocol, of, address); },
@@ -146,6 +222,7 @@ PlantServers::Use Run::server_use(serve::PlantRuns::Order order, web::WebPace pa
           .web_project = options_.web_project,
           .web_settings = options_.web_settings,
           .web_access = options_.web_access,
+          .web_traces = folder_of(options_.plant),
           .web_pace = std::move(pace),
           .order = order};
 }
@@ -157,7 +234,7 @@ link::ClientReport Run::report_of(std::string source) {
 
 void Run::start_table(serve::RealTime& clock) {
   screen_.emplace(io_, output_->out(),
-                  RunScreen::Use{.look = [this, &clock] { return table_.look(clock.now(), clock.lag()); },
+                  RunScreen::Use{.state = [this, &clock] { return table_.state(clock.now(), clock.lag()); },
                                  .quit = [this] { io_.stop(); },
                                  .continuations = [&clock] { return clock.continuations(); },
                                  .colour = wants_colour(STDOUT_FILENO)});
@@ -189,7 +266,7 @@ bool Run::run_in_real_time() {
   clock.set_resumed_handler([this] { set_cpu_clocks(*plant_); });
   linked_buses_.start(&clock, *plant_);
   if (options_.real_time) {
-    for (const std::string& sentence : serve::ask_for_real_time(*options_.real_time)) {
+    for (const std::string& sentence : serve::request_real_time(*options_.real_time)) {
       observer().on({{}, plant::Warning{"--realtime", sentence}});
     }
   }
@@ -199,10 +276,10 @@ bool Run::run_in_real_time() {
   if (has_table_) start_table(clock);
   if (options_.operational_within) {
     end_timer_.emplace(io_);
-    look_for_end();
+    check_end();
   }
   serve::ServiceManager manager(io_);
-  manager.ready(fmt::format("{}: {} nodes", options_.plant, plant_->nodes().size()));
+  manager.ready(fmt::format("{}: {}", options_.plant, ascii::counted(plant_->nodes().size(), "node")));
   output_->gather();
   while (io_.run_one() != 0) output_->pass_on();
   output_->end_gathering();
@@ -221,7 +298,7 @@ bool Run::run_in_step() {
   constexpr auto step = 5ms;   // of plant time: its frames fit into the queues of clients
   const can::Time end = options_.duration ? can::Time{} + *options_.duration : can::never;
   can::Timeline& timeline = plant_->timeline();
-  serve::StepClock clock(timeline);
+  StepClock clock(timeline);
   PlantServers servers(io_, *plant_, clock, server_use(serve::PlantRuns::Order::in_turn));
   if (!servers.open()) return false;
   show_connections();
@@ -284,11 +361,11 @@ bool Run::expectation_over() {
 }
 
 /// In real time the expectation is checked periodically.
-void Run::look_for_end() {
+void Run::check_end() {
   if (expectation_over()) return io_.stop();
   end_timer_->expires_after(20ms);
   end_timer_->async_wait([this](const boost::system::error_code& error) {
-    if (!error) look_for_end();
+    if (!error) check_end();
   });
 }
 
@@ -350,7 +427,8 @@ int Run::operator()() {
                              {.seed = options_.seed,
                               .links = options_.links,
                               .opener = &linked_buses_,
-                              .text = options_.plant_text});
+                              .text = options_.plant_text,
+                              .allows_native_code = options_.allows_native_code});
   if (!plant_) return 2;
   raw_plant_ = plant_.get();
   if (auto errors = plant_->open_stores(); !errors.empty()) {

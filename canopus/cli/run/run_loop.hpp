@@ -30,6 +30,7 @@ struct RunOptions {
   std::vector<web::WebSettings> web_settings{};  ///< module settings that the page edits
   std::optional<web::WebProject> web_project{};  ///< what the page edits, in place of projects of the plant
   std::optional<std::uint64_t> seed{};
+  bool allows_native_code = false;  ///< programs of PLCs that are shared objects
   /// In virtual time: the maximum number of threads. 0: the number of the machine's processors. The output
   /// does not depend on it.
   std::size_t threads = 0;

@@ -5,6 +5,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "canopus/ascii/counted.hpp"
+
 namespace canopus::cli {
 namespace {
 
@@ -59,7 +61,7 @@ int RunOutput::finish(const OutputQueue::Patience& patience) {
   const std::uint64_t unread = out_.finish(patience);
   const int error = out_.error();
   if (error_ && unread != 0) {
-    error_->line("canopus: {} line{} lost: the output was not read", unread, unread == 1 ? "" : "s");
+    error_->line("canopus: {} lost: the output was not read", ascii::counted(unread, "line"));
   }
   if (error_ && error != 0 && error != EPIPE) error_->line("canopus: {}", OutputFailed(error).what());
   const bool no_reader = error == EPIPE || (error_ && error_->error() == EPIPE);

@@ -61,8 +61,8 @@ void RunScreen::draw_again(std::chrono::milliseconds after) {
 }
 
 bool RunScreen::redraw() {
-  TableState state = use_.look();
-  look_after_shell();
+  TableState state = use_.state();
+  redraw_after_shell();
   state.has_keys = has_keys_;
   const TableSize size = Screen::size();
   picture_ = lay_out(state, view_, size);
@@ -74,7 +74,7 @@ bool RunScreen::redraw() {
 
 /// A process stopped by SIGSTOP could not restore the terminal for the shell: draws everything again after
 /// SIGCONT.
-void RunScreen::look_after_shell() {
+void RunScreen::redraw_after_shell() {
   const std::uint64_t now = use_.continuations();
   const bool continued = std::exchange(continuations_, now) != now;
   if (!screen_.is_shown()) return;
@@ -87,11 +87,11 @@ void RunScreen::wait_for_keys() {
   keys_.async_wait(asio::posix::stream_descriptor::wait_read, [this](const Error& error) {
     if (error) return;
     waits_for_keys_ = false;
-    take_keys();
+    read_keys();
   });
 }
 
-void RunScreen::take_keys() {
+void RunScreen::read_keys() {
   // Keys typed while the process is in the background belong to the shell: redraw() waits for keys again.
   if (!screen_.is_shown() || !screen_.terminal().is_foreground()) return;
   const std::string bytes = screen_.terminal().read();

@@ -20,8 +20,8 @@ namespace canopus::cli {
 class RunScreen {
  public:
   struct Use {
-    std::function<TableState()> look{};  ///< what to show
-    std::function<void()> quit{};        ///< the key q
+    std::function<TableState()> state{};  ///< what to show
+    std::function<void()> quit{};         ///< the key q
     /// The known number of times that the process was stopped and continued.
     std::function<std::uint64_t()> continuations{};
     bool colour = false;
@@ -40,11 +40,11 @@ class RunScreen {
   bool redraw();
   void draw_again(std::chrono::milliseconds after);
   void wait_for_keys();
-  void take_keys();
+  void read_keys();
   void wait_for_size();
   void wait_for_suspension();
   void suspend();
-  void look_after_shell();
+  void redraw_after_shell();
 
   Use use_;
   Screen screen_;

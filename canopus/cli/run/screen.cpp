@@ -65,7 +65,7 @@ void set_handlers() {
   }
 }
 
-void take_handlers_back() {
+void remove_handlers() {
   for (const int signal : fatal_signals) {
     struct sigaction now {};
     if (::sigaction(signal, nullptr, &now) == 0 && now.sa_handler == restore_and_end) {
@@ -98,7 +98,7 @@ Screen::Screen(OutputQueue& out, bool colour) : out_(out), colour_(colour) { set
 
 Screen::~Screen() {
   leave();
-  take_handlers_back();
+  remove_handlers();
 }
 
 bool Screen::show(const std::vector<TableLine>& lines, TableSize size) {
@@ -106,7 +106,7 @@ bool Screen::show(const std::vector<TableLine>& lines, TableSize size) {
   if (!terminal_.is_foreground() || !out_.is_idle()) return false;
   std::string text;
   if (!shown_) {
-    terminal_.take_keys();
+    terminal_.read_keys();
     shown_terminal = &terminal_;
     shown_ = true;
     text = enter_sequence;

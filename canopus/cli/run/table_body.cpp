@@ -155,7 +155,7 @@ void add(Entry& entry, Severity severity, std::string reason, TableStyle style) 
 }
 
 /// Evaluates the state of the node and of its controller.
-void look_at(Entry& entry) {
+void evaluate(Entry& entry) {
   const plant::NodeStatus& status = *entry.status;
   const auto counters = [&](std::string_view state) {
     return fmt::format("{}: TEC {}, REC {}", state, status.transmit_errors, status.receive_errors);
@@ -193,7 +193,7 @@ class Entries {
       places_.emplace(std::pair(node.status.label.bus, node.status.label.node_id), all_.size());
       all_.push_back(
           {.status = &node.status, .label = node.status.label, .pdo_rate = node.pdo_rate, .reasons = {}});
-      look_at(all_.back());
+      evaluate(all_.back());
     }
     for (const plant::ModuleTrouble& trouble : state.troubles) {
       if (Entry* entry = find(trouble.module)) {

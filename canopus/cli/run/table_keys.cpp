@@ -36,7 +36,7 @@ std::optional<TableKey> key_of_character(char character) {
 }
 
 /// Takes a sequence behind its escape off the front. Nothing: no key of the table.
-std::optional<TableKey> take_sequence(std::string_view& rest) {
+std::optional<TableKey> next_sequence(std::string_view& rest) {
   if (rest.empty()) return std::nullopt;  // the key Esc
   const char introducer = rest.front();
   rest.remove_prefix(1);
@@ -63,7 +63,7 @@ std::vector<TableKey> keys_in(std::string_view bytes) {
   while (!bytes.empty()) {
     const char first = bytes.front();
     bytes.remove_prefix(1);
-    if (const auto key = first == escape ? take_sequence(bytes) : key_of_character(first)) {
+    if (const auto key = first == escape ? next_sequence(bytes) : key_of_character(first)) {
       keys.push_back(*key);
     }
   }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/cli/run/table_body.hpp"
 #include "canopus/text/printable.hpp"
 #include "canopus/text/text_values.hpp"
@@ -32,10 +33,6 @@ struct Shares {
   std::size_t gap;  ///< blank lines between the parts
 };
 
-std::string plural(std::uint64_t count, std::string_view what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
 TableLine title(const TableState& state, std::size_t columns) {
   const std::size_t up = in_operation(state);
   const std::size_t all = state.nodes.size();
@@ -56,10 +53,10 @@ TableLine bus_line(const TableState::Bus& bus, std::size_t name_columns, std::si
   std::vector<TableField> fields;
   fields.push_back({fmt::format("{:>4} kbit/s", bus.bit_rate / 1000), 1});
   fields.push_back({fmt::format("load {:>5.1f} %", load.now * 100), 0});
-  fields.push_back({plural(load.error_frames, "error frame"), load.error_frames == 0 ? 3U : 1U,
+  fields.push_back({ascii::counted(load.error_frames, "error frame"), load.error_frames == 0 ? 3U : 1U,
                     load.error_frames == 0 ? TableStyle::plain : TableStyle::error});
   fields.push_back({fmt::format("peak {:>5.1f} %", load.peak * 100), 2});
-  fields.push_back({plural(load.frames, "frame"), 4});
+  fields.push_back({ascii::counted(load.frames, "frame"), 4});
   return line_of_fields(bus.name, name_columns, std::move(fields), columns);
 }
 
@@ -158,7 +155,7 @@ Lines message_lines(const TableState& state, std::size_t columns, std::size_t mo
   for (std::size_t i = state.messages.size(); i-- > 0;) {
     const RunMessage& message = state.messages[i];
     std::string text = most == 1 && count > 1
-                           ? fmt::format("{}: {}", plural(count, kind), message.text)
+                           ? fmt::format("{}: {}", ascii::counted(count, kind), message.text)
                            : fmt::format("{:.3f}  {}", can::seconds(message.time), message.text);
     const std::size_t reserved = count > shown + 1 && most > 1 ? 1 : 0;  // for how many more there are
     const std::size_t room = most - std::min(most, lines.size() + reserved);
@@ -179,7 +176,7 @@ Lines message_lines(const TableState& state, std::size_t columns, std::size_t mo
   }
   if (count > shown && most > 1) {
     const bool is_printed = std::ranges::all_of(state.messages, &RunMessage::is_printed);
-    std::string more = "… " + plural(count - shown, fmt::format("more {}", kind));
+    std::string more = "… " + ascii::counted(count - shown, fmt::format("more {}", kind));
     if (!is_printed) more += ", printed when the run ends";
     lines.insert(lines.begin(), {{fitted(more, columns)}});
   }
@@ -209,9 +206,9 @@ std::string more_text(const TableBody& body, std::size_t first, std::size_t end)
   const std::size_t above = body.nodes(0, first);
   const std::size_t below = body.nodes(end, body.size());
   if (above != 0 && below != 0) return fmt::format("… {} above, {} more nodes", above, below);
-  if (below != 0) return "… " + plural(below, "more node");
-  if (end < body.size()) return "… " + plural(body.size() - end, "more line");
-  return fmt::format("… {} above", plural(above, "node"));
+  if (below != 0) return "… " + ascii::counted(below, "more node");
+  if (end < body.size()) return "… " + ascii::counted(body.size() - end, "more line");
+  return fmt::format("… {} above", ascii::counted(above, "node"));
 }
 
 /// The part of the body that is shown, with what else there is.

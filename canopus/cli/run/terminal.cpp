@@ -37,7 +37,7 @@ Terminal::~Terminal() {
 
 bool Terminal::is_foreground() const { return descriptor_ < 0 || ::tcgetpgrp(descriptor_) == ::getpgrp(); }
 
-void Terminal::take_keys() {
+void Terminal::read_keys() {
   termios now{};
   if (descriptor_ < 0 || ::tcgetattr(descriptor_, &now) != 0) return;
   if (!taken_ || !is_key_by_key(now)) before_ = now;

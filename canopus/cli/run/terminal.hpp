@@ -23,10 +23,10 @@ class Terminal {
   [[nodiscard]] bool is_foreground() const;
 
   /// Keys come one by one and are not shown from now on. Ctrl-C, Ctrl-Z, Ctrl-S and Ctrl-Q work as before.
-  void take_keys();
-  /// True after take_keys() while the settings are unchanged.
+  void read_keys();
+  /// True after read_keys() while the settings are unchanged.
   [[nodiscard]] bool has_keys() const;
-  /// Restores the settings before take_keys(), if the process is in the foreground. Thread-safe and
+  /// Restores the settings before read_keys(), if the process is in the foreground. Thread-safe and
   /// async-signal-safe.
   void give_back() const;
   /// The input up to now. Empty: none, or the terminal is gone.
@@ -37,7 +37,7 @@ class Terminal {
  private:
   int descriptor_ = -1;
   bool taken_ = false;
-  termios before_{};  // of the last take_keys()
+  termios before_{};  // of the last read_keys()
   termios ours_{};
 };
 

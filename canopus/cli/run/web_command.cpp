@@ -1,5 +1,3 @@
-#include "canopus/cli/run/web_command.hpp"
-
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -8,8 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "canopus/cli/files/given_file.hpp"
 #include "canopus/cli/network_project/project_folder.hpp"
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/output/print.hpp"
 #include "canopus/cli/plc/plc_arguments.hpp"
@@ -47,8 +47,8 @@ std::string in_toml(std::string_view text) {
 /// A plant of one bus: the real one, or a simulated one with the project's nodes.
 std::string plant_text(const WebArguments& arguments, const network_project::NetworkProject& project,
                        const std::string& list, bool with_devices) {
-  constexpr std::uint32_t usual_bit_rate = 500'000;
-  const std::uint32_t bit_rate = project.bit_rate() != 0 ? project.bit_rate() : usual_bit_rate;
+  constexpr std::uint32_t default_bit_rate = 500'000;
+  const std::uint32_t bit_rate = project.bit_rate() != 0 ? project.bit_rate() : default_bit_rate;
   const std::string& name = project.network().name;
   std::string text = fmt::format("[plant]\nname = {}\n[[bus]]\nname = \"network\"\nbit_rate = {}\n",
                                  in_toml(name.empty() ? arguments.project : name), bit_rate);
@@ -85,11 +85,13 @@ int run_page(const WebArguments& arguments, RunOptions options) {
   return run_plant(options);
 }
 
-int run_start(const WebArguments& arguments) {
+/// The page of a folder; `given` is empty: of the working folder.
+int run_start(const WebArguments& arguments, const std::string& given) {
   std::error_code error;
-  const std::string folder = std::filesystem::current_path(error).string();
+  const std::string folder = given.empty() ? std::filesystem::current_path(error).string()
+                                           : std::filesystem::canonical(given, error).string();
   if (error) {
-    print_error("canopus web: the present folder: {}", error.message());
+    print_error("canopus web: the folder {}: {}", given.empty() ? "." : given, error.message());
     return 1;
   }
   RunOptions options{.plant = "canopus", .plant_text = plant_without_devices("Canopus")};
@@ -100,8 +102,8 @@ int run_start(const WebArguments& arguments) {
 /// Options of other commands that lead to the same PLC; the remote password goes by the environment, which
 /// other users cannot read.
 std::vector<std::string> way_of(const PlcArguments& plc) {
-  std::vector<std::string> way{"--host=" + plc.connection.host, "--timeout=" + plc.timeout};
-  if (plc.port) way.push_back(fmt::format("--port={}", *plc.port));
+  std::vector<std::string> way{"--plc=" + plc_place_text(plc.connection.host, plc.port),
+                               "--timeout=" + plc.timeout};
   const auto frame = frame_of(plc);
   if (frame == client::PlcConnection::Frame::frame_4e) way.emplace_back("--4e");
   if (frame == client::PlcConnection::Frame::frame_1e) way.emplace_back("--1e");
@@ -163,14 +165,40 @@ int run_project(const WebArguments& arguments) {
   return run_page(arguments, std::move(options));
 }
 
+/// A plant is run as by `canopus run PLANT --web`.
+int run_plant_on_page(const WebArguments& arguments) {
+  RunOptions options{.plant = given_plant(arguments.project).path};
+  if (!arguments.bus.empty()) options.links.push_back(arguments.bus);
+  return run_page(arguments, std::move(options));
+}
+
+int run_given(const WebArguments& arguments) {
+  const std::string& given = arguments.project;
+  if (given.empty()) return run_start(arguments, given);
+  const FileKind kind = kind_of_file(given);
+  switch (kind) {
+    case FileKind::project: return run_project(arguments);
+    case FileKind::module_project: return run_settings(arguments);
+    case FileKind::folder: return run_start(arguments, given);
+    case FileKind::unknown:
+    case FileKind::plant: {
+      std::error_code ignored;
+      const std::filesystem::path list = std::filesystem::path(given) / "nodelist.cpj";
+      return std::filesystem::exists(list, ignored) ? run_project(arguments) : run_plant_on_page(arguments);
+    }
+    default: print_error("canopus web: {}", describe_given_file(given, kind)); return 2;
+  }
+}
+
 void build_web_command(Command& command, int& exit_code) {
   auto arguments = std::make_shared<WebArguments>();
   auto* project =
       command.add_option("PROJECT", arguments->project,
-                         "folder with nodelist.cpj, a file *.cpj, or a module project *.xml (canopus "
-                         "configure); without it the page offers the plants and projects of this "
-                         "folder, a new project, and a built-in plant");
-  command.add_option("--network", arguments->network, "of a list with several networks: which one, from 1")
+                         "folder with nodelist.cpj, a file *.cpj, a module project *.xml (canopus "
+                         "configure), or a plant file *.toml, as of `canopus run PLANT --web`; of another "
+                         "folder, or without it of this one, the page offers the plants and projects, a new "
+                         "project, and a built-in plant");
+  command.add_option("--network", arguments->network, "number of the network in the list, from 1")
       ->type_name("NUMBER")
       ->check(number_from(1, 1000))
       ->needs(project);
@@ -212,23 +240,17 @@ void build_web_command(Command& command, int& exit_code) {
   auto* json = command.add_flag("--json", arguments->json, "One JSON object per line (see docs/events.md)");
   command.add_flag("-q,--quiet", arguments->quiet, "Print errors alone")->excludes(json);
   command.footer(
-      "It says where the page is, and opens nothing by itself. Whoever knows the key of the printed address "
-      "may\n"
-      "edit the project; on a real bus nothing is written before somebody has armed writing on the page.\n"
+      "It prints the address of the page. Anyone who has the key in this address may edit the project. On a "
+      "real\n"
+      "bus nothing is written before a user has armed writing on the page.\n"
       "Example: canopus web line1 --bus socketcan:can0");
-  command.callback([arguments, &exit_code] {
-    if (arguments->project.ends_with(".xml")) {
-      exit_code = run_settings(*arguments);
-    } else {
-      exit_code = arguments->project.empty() ? run_start(*arguments) : run_project(*arguments);
-    }
-  });
+  command.callback([arguments, &exit_code] { exit_code = run_given(*arguments); });
 }
 
 }  // namespace
 
 void add_web_command(Command& app, int& exit_code) {
-  app.add_subcommand("web", "Show and edit a project on a page in the browser, with its bus or simulated",
+  app.add_subcommand("web", "Show and edit a project on a page in the browser, on a bus or simulated",
                      [&exit_code](Command& command) { build_web_command(command, exit_code); });
 }
 

@@ -1,6 +1,6 @@
 #include "canopus/cli/run/web_settings.hpp"
 
-#include "canopus/cli/module_settings/project_files.hpp"
+#include "canopus/cli/module_settings/settings_file.hpp"
 
 namespace canopus::cli {
 

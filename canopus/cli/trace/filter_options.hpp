@@ -6,7 +6,7 @@ namespace canopus::cli {
 
 class Command;
 
-/// --filter, --only-node, --service, --object, --id; --channel, --from and --to where `of_file`.
+/// --filter, --node, --service, --object, --can-id; --channel, --from and --to where `of_file`.
 void add_filter_options(Command& command, trace::FilterOptions& options, bool of_file);
 
 }  // namespace canopus::cli

@@ -1,10 +1,11 @@
 #pragma once
-// Sources of node and object names for the analyser: a plant file, a network file, device files.
+// Sources of node and object names for the analyser: a plant file, a network file, a project, device files.
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "canopus/cli/bus/node_names.hpp"
 #include "canopus/cli/output/print.hpp"
 #include "canopus/trace/decode/names.hpp"
 
@@ -13,12 +14,11 @@ namespace canopus::cli {
 class Command;
 
 struct NamesOptions {
-  std::string plant{};
-  std::string network{};
-  std::vector<std::string> nodes{};  ///< "3=encoder.eds"
+  NodeNamesOptions of{};
+  std::vector<std::string> device_files{};  ///< "3=encoder.eds"
 };
 
-/// --plant, --network and --node.
+/// --plant, --network, --project and --eds.
 void add_names_options(Command& command, NamesOptions& options);
 
 /// The files that the options name, for commands that write a file.

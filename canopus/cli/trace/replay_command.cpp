@@ -1,14 +1,15 @@
-#include "canopus/cli/trace/replay_command.hpp"
-
 #include <cmath>
 #include <limits>
 #include <memory>
 
 #include <unistd.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/ascii/number.hpp"
 #include "canopus/cli/bus/bus_command.hpp"
+#include "canopus/cli/bus/node_names.hpp"
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/output/channel_choice.hpp"
 #include "canopus/cli/output/stop_signals.hpp"
@@ -26,6 +27,7 @@ struct ReplayOptions {
   std::uint64_t loops = 1;
   std::vector<std::string> identifiers, channels;
   std::string node;
+  NodeNamesOptions names;
 };
 
 /// "601", "580-5FF", "18EBFF00x": both ends.
@@ -97,7 +99,7 @@ std::expected<Choice, std::string> choice_of(const ReplayOptions& options) {
     const auto range = parse_range(text);
     if (!range) {
       return std::unexpected(
-          fmt::format("--id: \"{}\" is no identifier; expected for example 601, 580-5FF or 18EBFF00x", text));
+          fmt::format("--can-id: \"{}\" is no CAN-ID; expected for example 601, 580-5FF or 18EBFF00x", text));
     }
     choice.identifiers.push_back(*range);
   }
@@ -112,10 +114,9 @@ std::expected<Choice, std::string> choice_of(const ReplayOptions& options) {
     return std::unexpected(std::string("--from is later than --to"));
   }
   if (!options.node.empty()) {
-    choice.node = parse_node(options.node);
-    if (choice.node == 0) {
-      return std::unexpected(fmt::format("--node: \"{}\" is no node-ID; expected 1 to 127", options.node));
-    }
+    const auto node = find_node_id(options.names, options.node);
+    if (!node) return std::unexpected(node.error().empty() ? node.error() : "--node: " + node.error());
+    choice.node = *node;
   }
   return choice;
 }
@@ -148,7 +149,7 @@ BusLoop::End wait_for_sent(BusLoop& bus) {
 class Standstill {
  public:
   /// True when it is too long. Call it periodically.
-  bool look(const BusLoop& bus, const TracePlayer& player) {
+  bool is_too_long(const BusLoop& bus, const TracePlayer& player) {
     const bool gets_on = !player.is_held() || player.sent() != sent_ || bus.under_way() != under_way_;
     sent_ = player.sent();
     under_way_ = bus.under_way();
@@ -186,10 +187,10 @@ BusLoop::End play(BusLoop& bus, TraceInputFile& in, const Choice& choice, Channe
   player.start(bus.now(), std::max(choice.from, can::Duration::zero()));
   BusLoop::End end = BusLoop::End::time_over;
   Standstill still;
-  while (end == BusLoop::End::time_over && !still.look(bus, player)) {
+  while (end == BusLoop::End::time_over && !still.is_too_long(bus, player)) {
     if (progress) {
-      show_progress(
-          Line("{:.1f} s, {} frames", can::seconds(can::Time(player.position())), sent + player.sent()));
+      show_progress(Line("{:.1f} s, {}", can::seconds(can::Time(player.position())),
+                         ascii::counted(sent + player.sent(), "frame")));
     }
     end = bus.run([&] { return player.is_done(); }, bus.now() + std::chrono::milliseconds(200));
   }
@@ -200,6 +201,7 @@ BusLoop::End play(BusLoop& bus, TraceInputFile& in, const Choice& choice, Channe
 
 int replay(const ReplayOptions& options) {
   const auto choice = choice_of(options);
+  if (!choice && choice.error().empty()) return exit_code::usage;  // the mistakes of a file were printed
   if (!choice) return complain(exit_code::usage, choice.error());
   const auto speed = parse_speed(options.speed);
   if (!speed) {
@@ -228,6 +230,7 @@ int replay(const ReplayOptions& options) {
         });
         std::uint64_t sent = 0;
         std::uint64_t mistakes = 0;
+        bool is_read = true;
         auto end = BusLoop::End::done;
         ChannelChoice channels(options.channels);
         for (std::uint64_t loop = 0;
@@ -237,14 +240,15 @@ int replay(const ReplayOptions& options) {
           if (!in) return exit_code::failed;
           end = play(bus, *in, *choice, channels, *speed, sent);
           mistakes += in->mistakes();
-          in->finish();
+          if (loop == 0) is_read = in->finish();
           if (sent == before || stop.came()) break;  // nothing to send: once is enough
         }
         const bool is_played = end == BusLoop::End::done;
         if (is_played) end = wait_for_sent(bus);
         end_progress();
         const std::size_t waiting = bus.under_way();
-        print_line("{} frames sent in {:.3f} s", sent - std::min<std::uint64_t>(sent, waiting),
+        print_line("{} sent in {:.3f} s",
+                   ascii::counted(sent - std::min<std::uint64_t>(sent, waiting), "frame"),
                    can::seconds(bus.now()) - can::seconds(started));
         const bool all_channels = !is_played || channels.report_missing(standard_error());
         // Ctrl-C is how one ends a replay
@@ -253,13 +257,15 @@ int replay(const ReplayOptions& options) {
           return complain(exit_code::failed, "the other side does not say that the bus took all frames");
         }
         if (end == BusLoop::End::time_over) {
-          return complain(exit_code::failed,
-                          fmt::format("the bus has taken nothing for {} s; {} frames{} were not sent",
-                                      std::chrono::duration_cast<std::chrono::seconds>(standstill).count(),
-                                      waiting, is_played ? "" : " and the rest of the trace"));
+          return complain(
+              exit_code::failed,
+              fmt::format("the bus has taken nothing for {} s; not sent: {}{}",
+                          std::chrono::duration_cast<std::chrono::seconds>(standstill).count(),
+                          ascii::counted(waiting, "frame"), is_played ? "" : " and the rest of the trace"));
         }
-        if (complained) return complain(exit_code::failed, "the bus complained: frames may be missing on it");
-        return mistakes == 0 && all_channels ? exit_code::done : exit_code::failed;
+        if (complained)
+          return complain(exit_code::failed, "the bus reported errors: frames may be missing on it");
+        return mistakes == 0 && is_read && all_channels ? exit_code::done : exit_code::failed;
       },
       BusTime::real);
 }
@@ -270,7 +276,8 @@ void build_replay_command(Command& command, int& exit_code) {
       ->required();
   add_bus_options(command, options->bus, "How long to wait for the bus at the start", false);
   command
-      .add_option("--speed", options->speed, "Twice as fast is 2; max is as fast as the bus takes the frames")
+      .add_option("--speed", options->speed,
+                  "2 is twice as fast; max is as fast as the bus accepts the frames")
       ->type_name("N|max")
       ->capture_default_str();
   command.add_option("--loop", options->loops, "How often; 0 until Ctrl-C")
@@ -280,19 +287,22 @@ void build_replay_command(Command& command, int& exit_code) {
   command.add_option("--from", options->from, "Begin this long after the first frame")->type_name("TIME");
   command.add_option("--to", options->to, "End this long after the first frame")->type_name("TIME");
   command
-      .add_option("--id", options->identifiers,
-                  "Only these identifiers: 601, 580-5FF, 18EBFF00x; may be given again")
+      .add_option("--can-id", options->identifiers,
+                  "Only these CAN-IDs: 601, 580-5FF, 18EBFF00x; may be given again")
       ->type_name("ID");
+  command.add_old_spelling({.old = "--id", .now = "--can-id"});
   command.add_option("--channel", options->channels, "Only this channel of the trace; may be given again")
       ->type_name("NAME");
   command
       .add_option("--node", options->node,
-                  "Only what this node hears: NMT, SYNC, TIME, its RPDOs, its SDO server, guarding, LSS")
+                  "Only what this node receives: NMT, SYNC, TIME, its RPDOs, its SDO server, guarding, LSS")
       ->type_name("NODE");
+  add_node_names_options(command, options->names, "names of nodes, for --node");
   command.footer(
       "Each frame is sent at its time since the first one; error frames are not sent. All channels go to one "
       "bus.\n"
-      "Exit codes: 0 sent, or ended by Ctrl-C; 1 the bus was lost, complained or takes no more, parts of the "
+      "Exit codes: 0 sent, or ended by Ctrl-C; 1 the bus was lost, reported errors or accepts no more, parts "
+      "of the "
       "trace\n"
       "could not be read, or a --channel is not in it; 2 wrong command line or file.\n"
       "\n"

@@ -19,7 +19,7 @@ bool TraceComparison::alike(const ComparedRecord& a, const ComparedRecord& b) co
          (!options_.channels || a.channel == b.channel);
 }
 
-bool TraceComparison::go_on_alike(std::size_t from_a, std::size_t from_b) const {
+bool TraceComparison::continue_alike(std::size_t from_a, std::size_t from_b) const {
   for (std::size_t i = 0; i < run; ++i) {
     const bool end_a = from_a + i >= a_.ahead.size();
     const bool end_b = from_b + i >= b_.ahead.size();
@@ -42,7 +42,7 @@ void TraceComparison::pair(const ComparedRecord& a, const ComparedRecord& b) {
 }
 
 /// The first frames of both windows, which do not match one by one.
-void TraceComparison::take(std::size_t of_a, std::size_t of_b) {
+void TraceComparison::compare_windows(std::size_t of_a, std::size_t of_b) {
   std::vector<bool> found(of_b);
   for (std::size_t i = 0; i < of_a; ++i) {
     const ComparedRecord& a = a_.ahead[i];
@@ -85,13 +85,13 @@ ComparisonCounts TraceComparison::compare() {
     bool found = false;
     for (std::size_t sum = 1; sum <= most_a + most_b && !found; ++sum) {
       for (std::size_t of_a = sum > most_b ? sum - most_b : 0; of_a <= std::min(sum, most_a); ++of_a) {
-        if (!go_on_alike(of_a, sum - of_a)) continue;
-        take(of_a, sum - of_a);
+        if (!continue_alike(of_a, sum - of_a)) continue;
+        compare_windows(of_a, sum - of_a);
         found = true;
         break;
       }
     }
-    if (!found) take(most_a, most_b);
+    if (!found) compare_windows(most_a, most_b);
   }
 }
 

@@ -60,9 +60,9 @@ class TraceComparison {
     bool fill(std::size_t size);
   };
   [[nodiscard]] bool alike(const ComparedRecord& a, const ComparedRecord& b) const;
-  [[nodiscard]] bool go_on_alike(std::size_t from_a, std::size_t from_b) const;
+  [[nodiscard]] bool continue_alike(std::size_t from_a, std::size_t from_b) const;
   void pair(const ComparedRecord& a, const ComparedRecord& b);
-  void take(std::size_t of_a, std::size_t of_b);
+  void compare_windows(std::size_t of_a, std::size_t of_b);
 
   Side a_, b_;
   Options options_;

@@ -1,15 +1,17 @@
 // canopus trace convert IN OUT
 
+#include <algorithm>
 #include <memory>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/cli/bus/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/output/channel_choice.hpp"
 #include "canopus/cli/output/new_file.hpp"
 #include "canopus/cli/output/same_file.hpp"
 #include "canopus/cli/output/sigpipe.hpp"
-#include "canopus/cli/trace/trace_command.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
 #include "canopus/text/text_values.hpp"
 #include "canopus/trace/file/trace_encoder.hpp"
@@ -19,7 +21,7 @@ namespace canopus::cli {
 namespace {
 
 struct ConvertOptions {
-  std::string in, out, from, to, start, end;
+  std::string in, out, in_format, out_format, from, to;
   std::string trc_version = "2.1";
   std::vector<std::string> channels;
   bool relative = false;
@@ -52,7 +54,7 @@ class Target {
   [[nodiscard]] std::expected<void, std::string> close() {
     if (file_) {
       if (auto closed = file_->close(); !closed) return closed;
-      return new_file_->keep();
+      return new_file_->commit();
     }
     waiting_ += encoder_->end();
     send();
@@ -79,32 +81,34 @@ bool begins_at_0(trace::FileFormat format) {
 
 int convert(const ConvertOptions& options) {
   std::expected<trace::FileFormat, std::string> format = trace::FileFormat::candump;
-  if (!options.to.empty()) {
-    format = *trace::format_of_name(options.to);
+  if (!options.out_format.empty()) {
+    format = *trace::format_of_name(options.out_format);
   } else if (options.out != "-") {
     format = trace::trace_format_of(options.out);
-    if (!format) return complain(exit_code::usage, format.error() + "; --to says otherwise");
+    if (!format) return complain(exit_code::usage, format.error() + "; --out-format says otherwise");
   }
-  // a clock may have stepped back: without --start even what is before the first frame belongs to the trace
-  can::Duration start = can::Duration::min();
-  can::Duration end = can::Duration::max();
+  // a clock may have stepped back: without --from even what is before the first frame belongs to the trace
+  can::Duration from = can::Duration::min();
+  can::Duration to = can::Duration::max();
   for (const auto& [text, name, value] :
-       {std::tuple{&options.start, "--start", &start}, std::tuple{&options.end, "--end", &end}}) {
+       {std::tuple{&options.from, "--from", &from}, std::tuple{&options.to, "--to", &to}}) {
     if (text->empty()) continue;
     const auto duration = text::parse_duration(*text);
     if (!duration) return complain(exit_code::usage, fmt::format("{}: {}", name, duration.error()));
     *value = *duration;
   }
-  if (!options.start.empty() && start > end) {
-    return complain(exit_code::usage, "--start is later than --end");
+  if (!options.from.empty() && from > to) {
+    return complain(exit_code::usage, "--from is later than --to");
   }
   if (is_same_file(options.in, options.out)) {
     return complain(exit_code::usage, options.out + ": this is the trace that is read");
   }
-  auto in = TraceInputFile::open(options.in, options.from, standard_error());
+  auto in = TraceInputFile::open(options.in, options.in_format, standard_error());
   if (!in) return exit_code::usage;
-  auto out = Target::open(options.out, *format,
-                          options.trc_version == "1.1" ? trace::TrcVersion::v1_1 : trace::TrcVersion::v2_1);
+  auto out = Target::open(
+      options.out, *format,
+      std::ranges::find(trace::trc_version_names, options.trc_version, &trace::TrcVersionName::name)
+          ->version);
   if (!out) return complain(exit_code::failed, out.error());
   std::optional<can::Time> first;
   std::uint64_t written = 0;
@@ -116,26 +120,22 @@ int convert(const ConvertOptions& options) {
     const std::string_view channel = in->reader().channel(record->channel);
     const bool is_of_channel = channels.wants(channel);
     // records need not be in the order of their times
-    if (since < start || since > end || !is_of_channel) continue;
-    if (options.relative) record->time = can::Time(options.start.empty() ? since : since - start);
+    if (since < from || since > to || !is_of_channel) continue;
+    if (options.relative) record->time = can::Time(options.from.empty() ? since : since - from);
     if (record->time < can::Time{} && begins_at_0(*format)) ++too_early;
     out->write(channel, *record);
     ++written;
   }
+  if (!in->finish()) return exit_code::failed;
   const auto closed = out->close();
   if (!closed) return complain(exit_code::failed, closed.error());
-  in->finish();
   const bool all_channels = channels.report_missing(standard_error());
   if (too_early > 0) {
-    print_error("canopus: {}: {} frames are earlier than time 0, which {} cannot say: they got time 0",
-                options.out, too_early, trace::name_of(*format));
+    print_error("canopus: {}: {} earlier than time 0, which {} cannot say, written at time 0", options.out,
+                ascii::counted(too_early, "frame"), trace::name_of(*format));
   }
   if (!options.quiet && options.out != "-") {
-    print_line(
-        "{}: {} frames as {}{}", options.out, written, trace::name_of(*format),
-        in->reader().left_out() == 0
-            ? std::string()
-            : fmt::format("; {} records that are no classical frames left out", in->reader().left_out()));
+    print_line("{}: {} as {}", options.out, ascii::counted(written, "frame"), trace::name_of(*format));
   }
   return in->mistakes() == 0 && all_channels && too_early == 0 ? exit_code::done : exit_code::failed;
 }
@@ -148,29 +148,39 @@ void add_trace_convert(Command& trace, int& exit_code) {
   command->add_option("IN", options->in, "Trace in any format that is read; - is the standard input")
       ->required();
   command->add_option("OUT", options->out, "File to write; - is the standard output")->required();
-  add_format_option(*command, "--from", options->from, "Format of IN, instead of what its content says",
+  add_format_option(*command, "--in-format", options->in_format, "Format of IN (default: from its content)",
                     true);
-  add_format_option(*command, "--to", options->to, "Format of OUT, instead of what its name says", false);
-  command->add_option("--start", options->start, "Leave out what is earlier after the first frame")
+  add_format_option(*command, "--out-format", options->out_format, "Format of OUT (default: from its name)",
+                    false);
+  command->add_option("--from", options->from, "Only from this time after the first frame on, as 1.5s")
       ->type_name("TIME");
-  command->add_option("--end", options->end, "Leave out what is later after the first frame")
-      ->type_name("TIME");
+  command->add_option("--to", options->to, "Only up to this time after the first frame")->type_name("TIME");
+  const auto format_word = [](std::string_view value) {
+    return trace::format_of_name(value) ? std::optional(std::string(value)) : std::nullopt;
+  };
+  command->add_old_spelling({.old = "--from", .now = "--in-format", .value = format_word});
+  command->add_old_spelling({.old = "--to", .now = "--out-format", .value = format_word});
+  command->add_old_spelling({.old = "--start", .now = "--from"});
+  command->add_old_spelling({.old = "--end", .now = "--to"});
   command->add_option("--channel", options->channels, "Only this channel; may be given again")
       ->type_name("NAME");
   command
       ->add_option("--trc-version", options->trc_version,
-                   "Version of a TRC that is written; 1.1 for PCAN-Explorer 4 and 5, without channels")
-      ->type_name("1.1|2.1")
-      ->check(one_of_words({"1.1", "2.1"}))
+                   "Version of a TRC that is written; 1.1 for PCAN-Explorer 4 and 5; only 2.1 has channels")
+      ->type_name("1.0|1.1|2.0|2.1")
+      ->check(one_of_words({"1.0", "1.1", "2.0", "2.1"}))
       ->capture_default_str();
-  command->add_flag("--relative", options->relative, "Times count from the first frame, or from --start");
-  command->add_flag("-q,--quiet", options->quiet, "Do not say how many frames were written");
+  command->add_flag("--relative", options->relative, "Times count from the first frame, or from --from");
+  command->add_flag("-q,--quiet", options->quiet, "Do not print the number of frames");
   command->footer(
       "What each format can carry: docs/traces.md.\n"
-      "Exit codes: 0 converted, 1 parts of IN could not be read, OUT not written, a --channel is not in IN, "
+      "Exit codes: 0 converted, 1 parts of IN could not be read or nothing was, OUT not written, a --channel "
+      "is "
+      "not in IN, "
       "or "
       "OUT\n"
-      "cannot say a time; 2 wrong command line or file. OUT gets its name when it is whole.\n"
+      "cannot say a time; 2 wrong command line or file. OUT is renamed from a temporary file when it is "
+      "complete.\n"
       "\n"
       "Example: canopus trace convert drive.blf drive.pcapng");
   command->callback([options, &exit_code] {

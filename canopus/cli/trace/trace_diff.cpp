@@ -6,7 +6,7 @@
 
 #include "canopus/cli/bus/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
-#include "canopus/cli/trace/trace_command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/trace/trace_comparison.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
 #include "canopus/text/json.hpp"
@@ -88,8 +88,8 @@ int diff(const DiffOptions& options) {
         }
       });
   const ComparisonCounts counts = comparison.compare();
-  a->finish();
-  b->finish();
+  const bool is_read_a = a->finish();
+  const bool is_read_b = b->finish();
   if (options.json && !options.quiet) {
     print_json({{"same", counts.same},
                 {"only_in_a", counts.only_in_a},
@@ -104,7 +104,7 @@ int diff(const DiffOptions& options) {
         counts.same, counts.only_in_a, options.a, counts.only_in_b, options.b, counts.other_order,
         counts.other_time, seconds_text(counts.largest));
   }
-  if (a->mistakes() != 0 || b->mistakes() != 0) return exit_code::usage;
+  if (!is_read_a || !is_read_b || a->mistakes() != 0 || b->mistakes() != 0) return exit_code::usage;
   return counts.are_same() ? exit_code::done : exit_code::failed;
 }
 
@@ -112,8 +112,7 @@ int diff(const DiffOptions& options) {
 
 void add_trace_diff(Command& trace, int& exit_code) {
   const auto options = std::make_shared<DiffOptions>();
-  Command* command =
-      trace.add_subcommand("diff", "Compare two traces frame by frame, whatever their formats");
+  Command* command = trace.add_subcommand("diff", "Compare two traces of any formats frame by frame");
   command->add_option("A", options->a, "Trace; - is the standard input")->required();
   command->add_option("B", options->b, "The other trace")->required();
   command->add_option("--tolerance", options->tolerance, "Times may differ by this much")
@@ -122,7 +121,7 @@ void add_trace_diff(Command& trace, int& exit_code) {
   command->add_flag("--absolute", options->absolute,
                     "Compare the times as they stand there, not since the first frame of each trace");
   command->add_flag("--ignore-channels", options->ignore_channels, "Names of channels may differ");
-  command->add_flag("-q,--quiet", options->quiet, "Print nothing, the exit code says it");
+  command->add_flag("-q,--quiet", options->quiet, "Print nothing; use the exit code");
   command->add_flag("--json", options->json, "Print JSON, one object per difference and one at the end");
   command->footer(
       "- only in A, + only in B, ~ in another order, ! at another time.\n"

@@ -5,8 +5,8 @@
 #include <fmt/ranges.h>
 
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/trace/names_options.hpp"
-#include "canopus/cli/trace/trace_analysis.hpp"
 #include "canopus/trace/report/bus_model.hpp"
 
 namespace canopus::cli {
@@ -64,7 +64,7 @@ int write_export(const ExportOptions& options) {
 void add_trace_export(Command& trace, int& exit_code) {
   const auto options = std::make_shared<ExportOptions>();
   Command* command =
-      trace.add_subcommand("export", "Write what is known of a plant's frames as a file for other programs");
+      trace.add_subcommand("export", "Export a plant's frames and signals for other programs (DBC, Lua)");
   command->add_flag("--dbc", options->dbc,
                     "A DBC file: a message for each PDO, a signal for each mapped object");
   command->add_flag("--lua", options->lua,

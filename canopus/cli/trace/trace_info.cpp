@@ -3,9 +3,10 @@
 #include <map>
 #include <memory>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/cli/bus/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
-#include "canopus/cli/trace/trace_command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
 #include "canopus/text/json.hpp"
 
@@ -73,14 +74,17 @@ void print_text(const std::string& file, const TraceInputFile& in, const Figures
   print_line("  frames       {} ({} extended, {} remote, {} sent by the recorder)", figures.frames,
              figures.extended, figures.remote, figures.transmitted);
   print_line("  error frames {}", figures.error_frames);
-  print_line("  left out     {}", in.reader().left_out());
+  const trace::LeftOut& left_out = in.reader().left_out();
+  print_line("  left out     {}", left_out.total() == 0 ? "0" : left_out.text());
+  if (left_out.lost() != 0) print_line("  lost         {} by the recorder", left_out.lost());
   if (in.mistakes() != 0) print_line("  unreadable   {}", in.mistakes());
   if (figures.first) {
     print_line("  first        {}", moment_text(*figures.first));
     print_line("  last         {}", moment_text(*figures.last));
     print_line("  duration     {} s", seconds_text(*figures.last - *figures.first));
   }
-  if (figures.back_in_time != 0) print_line("  back in time {} times", figures.back_in_time);
+  if (figures.back_in_time != 0)
+    print_line("  back in time {}", ascii::counted(figures.back_in_time, "time"));
   for (const auto& [channel, count] : figures.channels) {
     print_line("  channel      {}: {}", in.reader().channel(channel), count);
   }
@@ -100,7 +104,13 @@ void print_as_json(const std::string& file, const TraceInputFile& in, const Figu
   line["remote"] = figures.remote;
   line["transmitted"] = figures.transmitted;
   line["error_frames"] = figures.error_frames;
-  line["left_out"] = in.reader().left_out();
+  const trace::LeftOut& left_out = in.reader().left_out();
+  line["left_out"] = left_out.total();
+  line["left_out_by_kind"] = text::Json::object();
+  for (const trace::LeftOutName& name : trace::left_out_names) {
+    if (left_out.of(name.kind) != 0) line["left_out_by_kind"][std::string(name.key)] = left_out.of(name.kind);
+  }
+  line["lost"] = left_out.lost();
   line["unreadable"] = in.mistakes();
   line["back_in_time"] = figures.back_in_time;
   if (figures.first) {
@@ -124,33 +134,34 @@ void print_as_json(const std::string& file, const TraceInputFile& in, const Figu
 
 void add_trace_info(Command& trace, int& exit_code) {
   struct Options {
-    std::string file, from;
+    std::string file, format;
     bool identifiers = false;
     bool json = false;
   };
   const auto options = std::make_shared<Options>();
-  Command* command = trace.add_subcommand("info", "Say what is in a trace: format, frames, times, channels");
+  Command* command = trace.add_subcommand("info", "Summarise a trace: format, frames, times, channels");
   command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")
       ->required();
-  add_format_option(*command, "--from", options->from, "Format, instead of what the content says", true);
+  add_format_option(*command, "--in-format", options->format, "Format (default: from the content)", true);
+  command->add_old_spelling({.old = "--from", .now = "--in-format"});
   command->add_flag("--identifiers", options->identifiers, "List the identifiers, too");
   command->add_flag("--json", options->json, "Print one JSON object instead");
   command->footer(
-      "Exit codes: 0 read, 1 parts of it could not be read, 2 wrong command line or file.\n"
+      "Exit codes: 0 read, 1 parts of it could not be read or nothing was, 2 wrong command line or file.\n"
       "\n"
       "Example: canopus trace info drive.asc");
   command->callback([options, &exit_code] {
-    auto in = TraceInputFile::open(options->file, options->from, standard_error());
+    auto in = TraceInputFile::open(options->file, options->format, standard_error());
     exit_code = exit_code::usage;
     if (!in) return;
     const Figures figures = count(*in);
-    in->finish();
+    const bool is_read = in->finish();
     if (options->json) {
       print_as_json(options->file, *in, figures);
     } else {
       print_text(options->file, *in, figures, options->identifiers);
     }
-    exit_code = in->mistakes() == 0 ? exit_code::done : exit_code::failed;
+    exit_code = in->mistakes() == 0 && is_read ? exit_code::done : exit_code::failed;
   });
 }
 

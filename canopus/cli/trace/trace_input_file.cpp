@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/ascii/hex.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/trace/print/silent_pipe.hpp"
+#include "canopus/trace/print/trace_walk.hpp"
 
 namespace canopus::cli {
 
@@ -13,7 +15,7 @@ void add_format_option(Command& command, const std::string& option, std::string&
                        const std::string& help, bool read) {
   std::vector<std::string_view> known;
   for (const auto& entry : trace::format_names) {
-    if (read || entry.format != trace::FileFormat::blf) known.push_back(entry.name);
+    if (read || entry.is_written) known.push_back(entry.name);
   }
   command.add_option(option, name, help)->type_name("FORMAT")->check(one_of_words(std::move(known)));
 }
@@ -33,14 +35,19 @@ std::optional<trace::TraceRecord> TraceInputFile::next() {
   constexpr std::uint64_t most_printed = 10;
   while (true) {
     const auto record = reader_->next();
-    if (record) return *record;
+    if (record) {
+      if (*record) ++records_;
+      return *record;
+    }
     if (++mistakes_ <= most_printed) err_->line("canopus: {}", record.error());
     if (mistakes_ == most_printed + 1) err_->line("canopus: {}: there are more mistakes", path_);
   }
 }
 
-void TraceInputFile::finish() {
-  if (mistakes_ > 0) err_->line("canopus: {}: {} records could not be read", path_, mistakes_);
+bool TraceInputFile::finish() {
+  if (mistakes_ > 0)
+    err_->line("canopus: {}: {} could not be read", path_, ascii::counted(mistakes_, "record"));
+  return trace::report_left_out(path_, *reader_, records_, mistakes_, *err_);
 }
 
 std::string seconds_text(can::Duration time) {

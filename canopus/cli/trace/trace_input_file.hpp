@@ -1,5 +1,5 @@
 #pragma once
-// A trace as the commands read it: opened with or without --from, its mistakes printed, but not all of thousands.
+// A trace as the commands read it: opened with or without --in-format, its mistakes printed, but not all of thousands.
 
 #include <cstdint>
 #include <functional>
@@ -14,13 +14,13 @@ namespace canopus::cli {
 
 class Command;
 
-/// `option` (--from, --to): the name of a format; empty is none. blf only where it is read.
+/// `option` (--in-format, --out-format): the name of a format; empty is none. Formats that are not written only where they are read.
 void add_format_option(Command& command, const std::string& option, std::string& name,
                        const std::string& help, bool read);
 
 class TraceInputFile {
  public:
-  /// Nothing after the reason was printed on `err`. `format`: as --from has it, or empty. `goes_on`: asked before each
+  /// Nothing after the reason was printed on `err`. `format`: as --in-format has it, or empty. `goes_on`: asked before each
   /// read and while a pipe has nothing; false ends the trace.
   [[nodiscard]] static std::optional<TraceInputFile> open(
       const std::string& path, const std::string& format, Output& err,
@@ -31,8 +31,9 @@ class TraceInputFile {
   [[nodiscard]] const trace::TraceReader& reader() const noexcept { return *reader_; }
   /// Records that could not be read.
   [[nodiscard]] std::uint64_t mistakes() const noexcept { return mistakes_; }
-  /// Prints the number of mistakes that were not printed.
-  void finish();
+  /// Prints the number of mistakes and what was left out. False if nothing of the file was read though there is
+  /// something in it, which is printed, too.
+  [[nodiscard]] bool finish();
 
  private:
   TraceInputFile(std::unique_ptr<trace::TraceReader> reader, std::string path, Output& err)
@@ -40,6 +41,7 @@ class TraceInputFile {
   std::unique_ptr<trace::TraceReader> reader_;
   std::string path_;
   Output* err_;
+  std::uint64_t records_ = 0;
   std::uint64_t mistakes_ = 0;
 };
 

@@ -17,11 +17,11 @@ void TracePlayer::start(can::Time now, can::Duration first) {
   first_ = first;
   done_ = false;
   alarm() = now;
-  take();
+  load_next();
   alarm() = std::max(deadline(), now);
 }
 
-void TracePlayer::take() {
+void TracePlayer::load_next() {
   next_ = source_();
   if (!next_) {
     done_ = true;
@@ -46,7 +46,7 @@ void TracePlayer::tick(can::Time now) {
     }
     ++sent_;
     position_ = next_->time;
-    take();
+    load_next();
   }
   // what is late stays due, but others on the loop come first
   if (next_ && deadline() <= now) alarm() = now + can::Duration(1);

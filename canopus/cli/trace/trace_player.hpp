@@ -38,7 +38,7 @@ class TracePlayer final : public can::Participant {
   void tick(can::Time now) override;
 
  private:
-  void take();
+  void load_next();
 
   can::Sink& bus_;
   Source source_;

@@ -7,11 +7,11 @@
 
 #include "canopus/canopen/dictionary/object_text.hpp"
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/output/channel_choice.hpp"
 #include "canopus/cli/output/same_file.hpp"
 #include "canopus/cli/trace/names_options.hpp"
-#include "canopus/cli/trace/trace_analysis.hpp"
 #include "canopus/text/text_values.hpp"
 #include "canopus/trace/decode/decoder.hpp"
 #include "canopus/trace/print/picture_signal.hpp"
@@ -58,11 +58,11 @@ int plot(const PlotOptions& options) {
   }
   trace::Decoder decoder(std::move(*names), {.frames = true, .transfers = false});
   trace::TracePicture picture(std::move(wanted));
-  const auto take = [&](const trace::Message& message) { picture.message(message); };
+  const auto add_message = [&](const trace::Message& message) { picture.message(message); };
   ChannelChoice channels(options.channels);
   int code = trace::walk_trace(options.file, standard_error(),
                                [&](const trace::TraceRecord& record, std::string_view channel) {
-                                 if (channels.wants(channel)) decoder.receive(record, channel, take);
+                                 if (channels.wants(channel)) decoder.receive(record, channel, add_message);
                                  return true;
                                });
   if (code == 2) return code;
@@ -87,15 +87,18 @@ void add_trace_plot(Command& trace, int& exit_code) {
       "plot", "Draw load, values of PDOs and states of the nodes over time, as an SVG picture");
   command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")
       ->required();
-  command->add_option("--out", options->out, "The picture that is written")->type_name("SVG")->required();
+  command->add_option("-o,--output", options->out, "The picture that is written")
+      ->type_name("FILE")
+      ->required();
+  command->add_old_spelling({.old = "--out", .now = "--output"});
   command
       ->add_option(
           "--signal", options->signals,
-          "Value of a PDO, as encoder.6004 or 3.6004:00; may be repeated; without it the first eight")
+          "Value of a PDO, as encoder.6004 or 3.6004:00; may be given again; without it the first eight")
       ->type_name("NODE.OBJECT")
       ->allow_extra_args(false);
   add_names_options(*command, options->names);
-  command->add_option("--channel", options->channels, "Only this channel of the file; may be repeated")
+  command->add_option("--channel", options->channels, "Only this channel of the file; may be given again")
       ->type_name("NAME")
       ->allow_extra_args(false);
   command->add_option("--bit-rate", options->bit_rate, "Bit rate of the bus in bit/s: the load in per cent")

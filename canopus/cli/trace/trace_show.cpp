@@ -4,11 +4,11 @@
 #include <unistd.h>
 
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/output/channel_choice.hpp"
 #include "canopus/cli/trace/filter_options.hpp"
 #include "canopus/cli/trace/names_options.hpp"
-#include "canopus/cli/trace/trace_analysis.hpp"
 #include "canopus/trace/decode/decoder.hpp"
 #include "canopus/trace/filter/filter_expression.hpp"
 #include "canopus/trace/print/message_printer.hpp"
@@ -40,6 +40,7 @@ int show(const ShowOptions& options) {
   std::optional<can::Time> zero;
   ChannelChoice choice(options.filter.channels);
   std::vector<std::string> channels;
+  bool is_any_shown = false;
   const auto print = [&](const trace::Message& message) {
     const std::string_view channel =
         message.channel < channels.size() ? std::string_view(channels[message.channel]) : std::string_view();
@@ -47,6 +48,7 @@ int show(const ShowOptions& options) {
     if (filter->wants(message, since) &&
         expression->wants(message, channel, since, [&] { return trace::searched_text(message, channel); })) {
       printer.print(message, channel);
+      is_any_shown = true;
     }
   };
   const int code = trace::walk_trace(options.file, standard_error(),
@@ -62,14 +64,16 @@ int show(const ShowOptions& options) {
                                      });
   if (code == 2) return code;
   decoder.finish(print);
-  return choice.report_missing(standard_error()) ? code : 1;
+  if (!choice.report_missing(standard_error())) return 1;
+  if (zero && !is_any_shown) standard_error().line("canopus: the trace has no such message");
+  return code;
 }
 
 }  // namespace
 
 void add_trace_show(Command& trace, int& exit_code) {
   const auto options = std::make_shared<ShowOptions>();
-  Command* command = trace.add_subcommand("show", "Show what the frames of a trace mean");
+  Command* command = trace.add_subcommand("show", "Decode the frames of a trace");
   command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")
       ->required();
   add_names_options(*command, options->names);

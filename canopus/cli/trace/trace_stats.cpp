@@ -1,10 +1,11 @@
 #include <memory>
 
+#include "canopus/ascii/counted.hpp"
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/output/channel_choice.hpp"
 #include "canopus/cli/trace/names_options.hpp"
-#include "canopus/cli/trace/trace_analysis.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/trace/print/statistics_json.hpp"
 #include "canopus/trace/print/trace_walk.hpp"
@@ -43,25 +44,40 @@ void print_identifiers(const ChannelFigures& channel, Output& out) {
                milliseconds(cycle.mean()), milliseconds(cycle.max()),
                milliseconds(cycle.max() - cycle.min()));
     }
+    if (!one.signals.empty()) line.add("{:{}}  {}", "", one.cycle.count() > 0 ? 0 : 45, one.signals);
     out.line(line);
   }
 }
 
+/// "1, 6-127"
+std::string ranges_text(const std::vector<std::uint8_t>& numbers) {
+  std::string text;
+  for (std::size_t i = 0; i < numbers.size();) {
+    std::size_t last = i;
+    while (last + 1 < numbers.size() && numbers[last + 1] == numbers[last] + 1) ++last;
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", numbers[i]);
+    if (last > i) text += fmt::format("-{}", numbers[last]);
+    i = last + 1;
+  }
+  return text;
+}
+
 void print_node(std::uint8_t node_id, const NodeFigures& node, Output& out) {
   Line line("  node {}:", node_name(node_id, node));
-  if (node.boot_ups > 0) line.add(" {} boot-up{},", node.boot_ups, node.boot_ups == 1 ? "" : "s");
+  if (node.boot_ups > 0) line.add(" {},", ascii::counted(node.boot_ups, "boot-up"));
   if (node.heartbeats > 0) {
-    line.add(" {} heartbeats", node.heartbeats);
+    line.add(" {}", ascii::counted(node.heartbeats, "heartbeat"));
     if (node.producer_time > can::Duration::zero())
       line.add(" every {:.6g} ms{}", milliseconds(node.producer_time),
                node.producer_time_is_measured ? " (measured)" : "");
     line.add(", {} lost,", node.lost_heartbeats);
   }
   if (node.emergencies > 0) line.add(" {} EMCY,", node.emergencies);
+  if (node.malformed > 0) line.add(" {} malformed,", node.malformed);
   const std::uint64_t transfers = node.reads + node.writes + node.unanswered;
   if (transfers > 0) {
-    line.add(" {} SDO read{}, {} write{}, {} aborted, {} unanswered", node.reads, node.reads == 1 ? "" : "s",
-             node.writes, node.writes == 1 ? "" : "s", node.aborts, node.unanswered);
+    line.add(" {}, {}, {} aborted, {} unanswered", ascii::counted(node.reads, "SDO read"),
+             ascii::counted(node.writes, "write"), node.aborts, node.unanswered);
     if (node.unfinished > 0) line.add(", {} unfinished", node.unfinished);
     if (node.sdo.count() > 0)
       line.add(", took {:.3f} / {:.3f} / {:.3f} ms (min / mean / max)", milliseconds(node.sdo.min()),
@@ -77,27 +93,35 @@ void print_events(std::string_view title, const std::vector<trace::TraceEvent>& 
   if (events.empty()) return;
   out.line("{}:", title);
   for (const trace::TraceEvent& event : events) {
-    const std::string who = event.node_name.empty() ? fmt::format("{}", event.node)
-                                                    : fmt::format("{} ({})", event.node, event.node_name);
-    out.line("  {:11.6f}  node {}  {}", std::chrono::duration<double>(event.time - begin).count(), who,
-             event.text);
+    const std::string who = event.node == 0 ? ""
+                            : event.node_name.empty()
+                                ? fmt::format("node {}  ", event.node)
+                                : fmt::format("node {} ({})  ", event.node, event.node_name);
+    out.line("  {:11.6f}  {}{}", std::chrono::duration<double>(event.time - begin).count(), who, event.text);
   }
   if (events.size() == Statistics::most_events) out.line("  and perhaps more: only so many are kept");
 }
 
-void print_text(const Statistics& statistics, std::uint32_t bit_rate, Output& out) {
-  out.line("duration: {:.6f} s", std::chrono::duration<double>(statistics.duration()).count());
-  std::string services;
+/// "sdo 2, emcy 1"; empty: all are 0.
+std::string counts_text(const std::array<std::uint64_t, trace::service_count>& counts) {
+  std::string text;
   for (unsigned i = 0; i < trace::service_count; ++i) {
-    if (statistics.services()[i] == 0) continue;
-    services += fmt::format("{}{} {}", services.empty() ? "" : ", ", name(static_cast<trace::Service>(i)),
-                            statistics.services()[i]);
+    if (counts[i] == 0) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name(static_cast<trace::Service>(i)), counts[i]);
   }
+  return text;
+}
+
+void print_text(const Statistics& statistics, std::uint32_t bit_rate, Output& out) {
+  print_events(fmt::format("malformed messages ({})", counts_text(statistics.malformed_services())),
+               statistics.malformed(), statistics.begin(), out);
+  out.line("duration: {:.6f} s", std::chrono::duration<double>(statistics.duration()).count());
+  const std::string services = counts_text(statistics.services());
   out.line("frames by service: {}", services.empty() ? "none" : services);
   for (const auto& [number, channel] : statistics.channels()) {
-    Line line("channel {}: {} frames, {} error frames, {} bits",
-              channel.name.empty() ? fmt::format("{}", number) : channel.name, channel.frames,
-              channel.error_frames, channel.bits);
+    Line line("channel {}: {}, {}, {}", channel.name.empty() ? fmt::format("{}", number) : channel.name,
+              ascii::counted(channel.frames, "frame"), ascii::counted(channel.error_frames, "error frame"),
+              ascii::counted(channel.bits, "bit"));
     if (bit_rate != 0) {
       line.add("; load {:.1f} % at {} bit/s, busiest second {:.1f} %",
                100 * trace::load(channel.bits, statistics.duration(), bit_rate), bit_rate,
@@ -106,6 +130,9 @@ void print_text(const Statistics& statistics, std::uint32_t bit_rate, Output& ou
     out.line(line);
     print_identifiers(channel, out);
     for (const auto& [node_id, node] : channel.nodes) print_node(node_id, node, out);
+    if (!channel.absent.empty())
+      out.line("  asked for 1000:00 without an answer, as by a scan: {} ({})",
+               ascii::counted(channel.absent.size(), "node"), ranges_text(channel.absent));
   }
   print_events("EMCY", statistics.emergencies(), statistics.begin(), out);
   print_events("SDO transfers that failed", statistics.failures(), statistics.begin(), out);
@@ -116,18 +143,18 @@ int show_statistics(const StatsOptions& options) {
   if (!names) return 2;
   trace::Decoder decoder(std::move(*names), {.frames = true, .transfers = true});
   Statistics statistics;
-  const auto take = [&](const trace::Message& message) { statistics.message(message, decoder); };
+  const auto add_message = [&](const trace::Message& message) { statistics.message(message, decoder); };
   ChannelChoice channels(options.channels);
   int code = trace::walk_trace(options.file, standard_error(),
                                [&](const trace::TraceRecord& record, std::string_view channel) {
                                  if (!channels.wants(channel)) return true;
                                  statistics.record(record, channel);
-                                 decoder.receive(record, channel, take);
+                                 decoder.receive(record, channel, add_message);
                                  return true;
                                });
   if (code == 2) return code;
   if (!channels.report_missing(standard_error())) code = 1;
-  decoder.finish(take);
+  decoder.finish(add_message);
   statistics.finish();
   if (!options.json) {
     print_text(statistics, options.bit_rate, standard_output());
@@ -146,7 +173,7 @@ void add_trace_stats(Command& trace, int& exit_code) {
   command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")
       ->required();
   add_names_options(*command, options->names);
-  command->add_option("--channel", options->channels, "Only this channel of the file; may be repeated")
+  command->add_option("--channel", options->channels, "Only this channel of the file; may be given again")
       ->type_name("NAME")
       ->allow_extra_args(false);
   command->add_option("--bit-rate", options->bit_rate, "Bit rate of the bus in bit/s, for its load")
