@@ -7,12 +7,11 @@ pytest_plugins = ["pytest_canopus"].
         plant.plc.g[0][13000] = 0x5A
 
 Each test has a plant of its own, in virtual time. Without a mark it is plant.toml in the folder of the test's file. Of a test
-that fails the report shows the plant's time, NMT states and latest events, and with --plant-traces=FOLDER its frames are
-kept as FOLDER/TEST.log, in the format of candump -l.
+that fails the report shows the plant's time, NMT states, why slaves are not booted, and the latest events; with
+--plant-traces=FOLDER its frames are kept as FOLDER/TEST.log, in the format of candump -l.
 """
 from __future__ import annotations
 
-import json
 import pathlib
 import re
 from typing import TYPE_CHECKING, Any, Callable, Iterator
@@ -22,8 +21,6 @@ import pytest
 if TYPE_CHECKING:  # a pytest that uses no plant does not load the package
     from canopus import Plant
 
-#: Events that the report of a failed test shows at most.
-MOST_EVENTS = 20
 _KEY = pytest.StashKey["list[Plant]"]()
 
 
@@ -82,15 +79,8 @@ def pytest_runtest_makereport(item: Any, call: Any) -> Iterator[None]:
 
 
 def _summary(plant: Plant) -> str:
-    lines = [f"time {plant.time:g} s"]
-    events = plant.events
-    lines += [_printable(f"{name}: {state}") for name, state in plant.states().items()]
-    lines += [_printable(json.dumps(event, ensure_ascii=False)) for event in events[-MOST_EVENTS:]]
-    return "\n".join(lines)
-
-
-def _printable(text: str) -> str:
-    return "".join(letter if letter.isprintable() else letter.encode("unicode_escape").decode() for letter in text)
+    from canopus_plc import report
+    return report.describe(plant.time, plant.states(), plant.events)
 
 
 def _keep(plant: Plant, file: pathlib.Path) -> str:
@@ -99,8 +89,8 @@ def _keep(plant: Plant, file: pathlib.Path) -> str:
     file.parent.mkdir(parents=True, exist_ok=True)
     with file.open("w", encoding="utf-8") as out:
         for frame, bus in frames:
-            name = re.sub(r"\s", "_", _printable(bus)) or "can0"
+            name = re.sub(r"[^\x21-\x7e]", "_", bus) or "can0"
             identifier = f"{frame.identifier:08X}" if frame.extended else f"{frame.identifier:03X}"
             data = f"R{frame.dlc}" if frame.remote else frame.data.hex().upper()
             out.write(f"({frame.time:017.6f}) {name} {identifier}#{data}\n")
-    return f"{file} ({len(frames)} frames)"
+    return f"{file} ({len(frames)} frame{'' if len(frames) == 1 else 's'})"

@@ -34,7 +34,7 @@ class DeviceFileError(PlantError):
 class Problem(NamedTuple):
     """Something that is not as it should be, and was repaired."""
 
-    severity: str  #: "warning", or "note": unusual and harmless
+    severity: str  #: "loss": something of the file is not in it, "warning", or "note": unusual and harmless
     line: int  #: from 1
     column: int  #: from 1; 0: the whole line
     message: str
@@ -114,7 +114,7 @@ class ObjectEntry:
         """As an SDO carries it. DeviceFileError when it does not fit the type or exceeds the file's limits."""
         if isinstance(value, (bytes, bytearray)):
             if self.bits and len(value) != (self.bits + 7) // 8:
-                raise DeviceFileError(f"{self}: {len(value)} bytes; {self.type} has {(self.bits + 7) // 8}")
+                raise DeviceFileError(f"{self}: {_counted(len(value), 'byte')}; {self.type} has {(self.bits + 7) // 8}")
             return bytes(value)
         integer = _INTEGER.fullmatch(self.type)
         if integer or self.type == "BOOLEAN":
@@ -149,7 +149,7 @@ class ObjectEntry:
     def decode(self, data: bytes) -> ObjectValue:
         """The value that an SDO carried. DeviceFileError when it is not as long as the type."""
         if self.bits and len(data) != (self.bits + 7) // 8:
-            raise DeviceFileError(f"{self}: {len(data)} bytes came; {self.type} has {(self.bits + 7) // 8}")
+            raise DeviceFileError(f"{self}: {_counted(len(data), 'byte')} came; {self.type} has {(self.bits + 7) // 8}")
         integer = _INTEGER.fullmatch(self.type)
         if integer:
             return int.from_bytes(data, "little", signed=integer[1] == "INTEGER")
@@ -205,7 +205,7 @@ class DeviceFile:
     """An EDS, DCF, XDD or XDC. `file["1018:01"]` is an entry; `file.objects` has every object by its index."""
 
     def __init__(self, path: str | os.PathLike[str], *, text: str | bytes | None = None) -> None:
-        """`text` takes the place of the file. DeviceFileError when nobody could make sense of it; whatever was repaired is in
+        """`text` takes the place of the file. DeviceFileError when it cannot be read; whatever was repaired is in
         `problems`."""
         self.path = os.fspath(path)
         if text is None:
@@ -338,14 +338,19 @@ class DeviceFile:
         return self._core.plain_text()
 
     def __repr__(self) -> str:
-        return f"<{'EDS' if self.commissioning is None else 'DCF'} {self.device.product_name!r}, {len(self.objects)} objects>"
+        return f"<{'EDS' if self.commissioning is None else 'DCF'} {self.device.product_name!r}, {_counted(len(self.objects), 'object')}>"
 
     def _repr_html_(self) -> str:
         def shown(value: ObjectValue) -> object:
             return value.hex() if isinstance(value, bytes) else value
         rows = ((str(entry), entry.name, entry.type, entry.access, shown(entry.default))
                 for each in itertools.islice(self.objects.values(), 1000) for entry in itertools.islice(each.values(), 16))
-        return _table(f"{self.device.product_name}, {len(self.objects)} objects", ("object", "name", "type", "access", "default"), rows)
+        return _table(f"{self.device.product_name}, {_counted(len(self.objects), 'object')}", ("object", "name", "type", "access", "default"), rows)
+
+
+def _counted(count: int, noun: str) -> str:
+    """1 byte, 2 bytes"""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def _numbers(name: ObjectName) -> tuple[int, int]:

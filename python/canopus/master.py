@@ -20,7 +20,7 @@ from canopus_plc.errors import PlantError
 from . import _core
 from .device_file import DeviceFile, DeviceFileError, ObjectEntry, ObjectName, ObjectValue, Pdo, _numbers
 from .picture import _table
-from .plant import Plant, SdoAbort, _nanoseconds
+from .plant import Plant, SdoAbort, _nanoseconds, _uploaded_value
 
 #: Request NMT [CiA 302-2, 1F82H].
 _COMMANDS = {"start": 0x05, "stop": 0x04, "pre-operational": 0x7F, "reset node": 0x06, "reset communication": 0x07}
@@ -46,7 +46,7 @@ class ReceivedPdo(NamedTuple):
 
 
 class Subscription:
-    """The PDOs of one identifier, from now on; the latest 100000 that nobody has taken."""
+    """The PDOs of one identifier, from now on; the latest 100000 that were not yet read."""
 
     def __init__(self, master: Master, cob_id: int, pdo: Pdo | None) -> None:
         self._master, self.cob_id, self.pdo = master, cob_id, pdo
@@ -153,7 +153,7 @@ class Master:
     def events(self) -> list[dict[str, Any]]:
         """What has happened to slaves so far: dictionaries with t (seconds), event ("booted", "failed", "state", "error control",
         "heard again"), node, name, what."""
-        self._events += [json.loads(line) for line in self._core.take_events().splitlines()]
+        self._events += [json.loads(line) for line in self._core.drain_events().splitlines()]
         return self._events
 
     def run(self, seconds: float) -> None:
@@ -202,20 +202,21 @@ class Master:
         """NMT reset communication, likewise."""
         self._core.command(node, _COMMANDS["reset communication"])
 
-    def upload(self, node: int, index: int, sub: int = 0, *, timeout: float = 0.5, block: bool = False) -> bytes:
+    def upload(self, node: int, index: int, sub: int = 0, *, timeout: float = 0.5, block: bool = False, size: int = 0) -> bytes:
         """Reads an object over SDO [CiA 301 7.2.4]: the bytes as they came, numbers the low byte first. `timeout` in seconds for
-        each answer; `block`: block transfer. SdoAbort when it fails."""
-        return self._sdo(node, index, sub, None, timeout, block)
+        each answer; `block`: block transfer; `size`: bytes of its type, as some nodes answer four without the number of those that
+        count, 0: not known. SdoAbort when it fails."""
+        return self._sdo(node, index, sub, None, timeout, block, size)
 
     def download(self, node: int, index: int, sub: int, value: bytes, *, timeout: float = 0.5, block: bool = False) -> None:
         """Writes one, likewise."""
         self._sdo(node, index, sub, bytes(value), timeout, block)
 
-    def _sdo(self, node: int, index: int, sub: int, value: bytes | None, timeout: float, block: bool) -> bytes:
-        code, reason, data = self._core.sdo(node, index, sub, value, _nanoseconds(timeout, "timeout"), block)
+    def _sdo(self, node: int, index: int, sub: int, value: bytes | None, timeout: float, block: bool, size: int = 0) -> bytes:
+        code, reason, data, size_indicated = self._core.sdo(node, index, sub, value, _nanoseconds(timeout, "timeout"), block)
         if code != 0:
             raise SdoAbort(code, f"node {node}, {index:04X}:{sub:02X}: {reason}")
-        return data
+        return _uploaded_value(data, size_indicated, size, f"node {node}, {index:04X}:{sub:02X}")
 
     def _entry(self, node: int, name: ObjectName) -> ObjectEntry:
         file = self.files.get(node)
@@ -229,7 +230,7 @@ class Master:
     def read(self, node: int, name: ObjectName, *, timeout: float = 0.5) -> ObjectValue:
         """Reads an object whose type the slave's device file gives: a number, a boolean, a text or bytes."""
         entry = self._entry(node, name)
-        return entry.decode(self.upload(node, entry.index, entry.sub, timeout=timeout))
+        return entry.decode(self.upload(node, entry.index, entry.sub, timeout=timeout, size=(entry.bits + 7) // 8))
 
     def write(self, node: int, name: ObjectName, value: ObjectValue, *, timeout: float = 0.5) -> None:
         """Writes one, likewise. DeviceFileError, before anything is sent, when the value does not fit."""

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 import weakref
 from types import TracebackType
 from typing import Any, Callable, NamedTuple, Sequence, TypeVar, cast
@@ -17,6 +18,20 @@ from .picture import Picture, _table
 
 Callback = TypeVar("Callback", bound=Callable[..., Any])
 Value = int | float | bool
+
+
+def _uploaded_value(data: bytes, size_indicated: bool, size: int, what: str) -> bytes:
+    """As many bytes as the type has: a node may answer expedited without their number (42H), or say four of a shorter type and
+    fill up with zeros."""
+    is_longer = 0 < size < len(data) <= 4
+    if not size_indicated:
+        if size == 0:
+            warnings.warn(f"{what}: the node did not indicate how many of the 4 bytes are the value", stacklevel=4)
+        return data[:size] if is_longer else data
+    if not is_longer or any(data[size:]):
+        return data
+    warnings.warn(f"{what}: {len(data)} bytes came, its type has {size}: the others are 0", stacklevel=4)
+    return data[:size]
 
 
 def _nanoseconds(seconds: float, what: str) -> int:
@@ -124,7 +139,7 @@ class Device:
         self._number = plant._core.device_number(name)
 
     def __getitem__(self, object: str) -> Value:
-        """What everybody sees."""
+        """The effective value."""
         return cast(Value, json.loads(self._plant._core.get(self.name, object)))
 
     def __setitem__(self, object: str, value: Value) -> None:
@@ -257,7 +272,7 @@ class Plant:
         self._control.ask("release", **({"device": device} if object is None else {"device": device, "object": object}))
 
     def value(self, device: str, object: str) -> Any:
-        """What everybody sees of a simulated device's object."""
+        """The effective value of a simulated device's object."""
         return self._control.ask("get", device=device, object=object)["objects"][0]["value"]
 
     def states(self) -> dict[str, str]:
@@ -272,7 +287,7 @@ class Plant:
     @property
     def events(self) -> list[dict[str, Any]]:
         """What has happened so far (docs/events.md)."""
-        self._events += [json.loads(line) for line in self._core.take_events().splitlines()]
+        self._events += [json.loads(line) for line in self._core.drain_events().splitlines()]
         return self._events
 
     def device(self, name: str) -> Device:
@@ -284,12 +299,12 @@ class Plant:
         return Port(self, bus, name)
 
     def record(self, bus: str = "") -> None:
-        """From now on the frames of the bus are kept for frames(), the first million of them. Nobody on the bus sees that."""
+        """From now on the frames of the bus are kept for frames(), the first million of them. This is not visible on the bus."""
         self._core.record(bus)
 
     def frames(self, bus: str = "") -> list[Frame]:
         """Frames since record() or the last call."""
-        return [_frame(raw) for raw in self._core.take_frames(bus)]
+        return [_frame(raw) for raw in self._core.drain_frames(bus)]
 
     def draw(self, signals: Sequence[str] = (), *, bus: str = "", title: str = "") -> Picture:
         """A picture of the bus that grows from now on: load, states of the nodes and `signals`, values of PDOs such as
@@ -302,20 +317,22 @@ class Plant:
 
     def messages(self) -> list[dict[str, Any]]:
         """As decode() has them, since monitor() or the last call: PDOs with their signals, named as in the device files."""
-        return [json.loads(line) for line in self._core.take_messages().splitlines()]
+        return [json.loads(line) for line in self._core.drain_messages().splitlines()]
 
-    def sdo_upload(self, node: int, index: int, sub: int = 0, *, bus: str = "", timeout: float = 0.5, block: bool = False) -> bytes:
+    def sdo_upload(self, node: int, index: int, sub: int = 0, *, bus: str = "", timeout: float = 0.5, block: bool = False,
+                   size: int = 0) -> bytes:
         """Reads an object of a node over SDO [CiA 301 7.2.4]: the bytes as they came, numbers the low byte first. Plant time passes.
-        `timeout` in seconds of plant time, for each answer; `block`: block transfer. SdoAbort when it fails."""
-        return self._sdo(node, index, sub, None, bus, timeout, block)
+        `timeout` in seconds of plant time, for each answer; `block`: block transfer. `size`: bytes of its type, as some nodes
+        answer four without the number of those that count; 0: not known. SdoAbort when it fails."""
+        return self._sdo(node, index, sub, None, bus, timeout, block, size)
 
     def sdo_download(self, node: int, index: int, sub: int, value: bytes, *, bus: str = "", timeout: float = 0.5,
                      block: bool = False) -> None:
         """Writes one, likewise."""
         self._sdo(node, index, sub, bytes(value), bus, timeout, block)
 
-    def _sdo(self, node: int, index: int, sub: int, value: bytes | None, bus: str, timeout: float, block: bool) -> bytes:
-        code, reason, data = self._core.sdo(bus, node, index, sub, value, _nanoseconds(timeout, "timeout"), block)
+    def _sdo(self, node: int, index: int, sub: int, value: bytes | None, bus: str, timeout: float, block: bool, size: int = 0) -> bytes:
+        code, reason, data, size_indicated = self._core.sdo(bus, node, index, sub, value, _nanoseconds(timeout, "timeout"), block)
         if code != 0:
             raise SdoAbort(code, f"node {node}, {index:04X}:{sub:02X}: {reason}")
-        return data
+        return _uploaded_value(data, size_indicated, size, f"node {node}, {index:04X}:{sub:02X}")

@@ -1,4 +1,4 @@
-"""What Plc asks of a connection to a CPU, and of who lets plant time pass."""
+"""What Plc asks of a connection to a CPU, and of the owner of plant time."""
 from __future__ import annotations
 
 from typing import Any, Protocol, Sequence

@@ -14,6 +14,7 @@ import time
 from types import TracebackType
 from typing import Any, Iterable, TextIO
 
+from . import report
 from .control import ControlClient
 from .errors import PlantError
 from .plc import Plc, plant_duration
@@ -50,6 +51,8 @@ class Plant:
         words += [os.fspath(word) for word in arguments]
         #: Events of the run so far (docs/events.md). They may come a little later than the answer of run().
         self.events: list[dict[str, Any]] = []
+        #: The file with every frame, if there is one.
+        self.trace = trace
         self._news = threading.Condition()
         self._has_ended = False
         self._errors: collections.deque[str] = collections.deque(maxlen=100)
@@ -121,12 +124,20 @@ class Plant:
         self._controlled().ask("release", **fields)
 
     def value(self, device: str, object: str) -> Any:
-        """What everybody sees of a simulated device's object."""
+        """The effective value of a simulated device's object."""
         return self._controlled().ask("get", device=device, object=object)["objects"][0]["value"]
 
     def states(self) -> dict[str, str]:
         """The NMT states of the simulated devices, by name: "operational"."""
         return {device["name"]: device["state"] for device in self._controlled().ask("list")["devices"]}
+
+    def report(self) -> str:
+        """What the plant is doing, for the report of a failed test: plant time, NMT states, why slaves are not booted, the file
+        with the frames, and the latest events."""
+        now, states = self.time, self.states()
+        with self._news:
+            events = list(self.events)
+        return report.describe(now, states, events, self.trace)
 
     def socketcand(self, bus: str | None = None) -> tuple[str, int]:
         """Host and port where a bus, or the only one, is served to other programs."""

@@ -5,7 +5,8 @@
         plc.g[0][13000] = 0x5A
         plc.wait(lambda: plc.g[0][10000] >> 8 == 0x5A)
 
-Each test has a plant of its own. Without a mark it is plant.toml in the folder of the test's file.
+Each test has a plant of its own. Without a mark it is plant.toml in the folder of the test's file. The report of a failed test
+shows plant time, NMT states, why slaves are not booted, the file with the frames (`trace=`), and the latest events.
 """
 from __future__ import annotations
 
@@ -16,6 +17,9 @@ import pytest
 
 from .plant import Plant
 from .plc import Plc
+
+
+_KEY = pytest.StashKey[Plant]()
 
 
 def pytest_configure(config: Any) -> None:
@@ -30,7 +34,22 @@ def canopus_plant(request: Any) -> Iterator[Plant]:
     options = mark.kwargs if mark is not None else {}
     folder = pathlib.Path(request.node.path).parent
     with Plant(folder / arguments[0], *arguments[1:], **options) as plant:
+        request.node.stash[_KEY] = plant
         yield plant
+
+
+@pytest.hookimpl(hookwrapper=True)  # type: ignore[misc]
+def pytest_runtest_makereport(item: Any, call: Any) -> Iterator[None]:
+    outcome: Any = yield
+    result = outcome.get_result()
+    plant = item.stash.get(_KEY, None)
+    if call.when != "call" or not result.failed or plant is None:
+        return
+    try:
+        result.sections.append(("plant", plant.report()))
+    except Exception as error:  # pylint: disable=broad-except
+        # The test has failed already: it may have ended its plant, or lost it.
+        result.sections.append(("plant", f"no report of the plant: {error}"))
 
 
 @pytest.fixture

@@ -14,14 +14,14 @@ namespace py = pybind11;
 namespace canopus::python {
 namespace {
 
-void look() {
+void check_signals() {
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 }
 
 std::shared_ptr<MasterRun> made(const std::function<std::unique_ptr<MasterPlace>()>& join,
                                 const master::NetworkFile& file) {
   auto master = std::make_shared<MasterRun>(join, file);
-  master->set_look(look);
+  master->set_signal_check(check_signals);
   return master;
 }
 
@@ -48,7 +48,7 @@ void add_masters(py::module_& module) {
       .def("boot",
            [](MasterRun& master, std::int64_t time_out) { return master.boot(can::Duration(time_out)); })
       .def("results", &MasterRun::results)
-      .def("take_events", &MasterRun::take_events)
+      .def("drain_events", &MasterRun::drain_events)
       .def("state", &MasterRun::state)
       .def("command", &MasterRun::command)
       .def("sdo",
@@ -59,7 +59,8 @@ void add_masters(py::module_& module) {
              const SdoResult result = master.sdo(node, index, sub, bytes, can::Duration(time_out), block);
              return py::make_tuple(
                  result.abort_code, result.reason,
-                 py::bytes(reinterpret_cast<const char*>(result.data.data()), result.data.size()));
+                 py::bytes(reinterpret_cast<const char*>(result.data.data()), result.data.size()),
+                 result.size_indicated);
            })
       .def("send", [](MasterRun& master, std::uint32_t identifier, const py::bytes& data,
                       bool extended) { master.send(frame_of(identifier, data, extended, false, 0)); })

@@ -89,7 +89,7 @@ class BusPlace final : public MasterPlace {
   }
   [[nodiscard]] bool is_running() const noexcept override { return is_running_; }
   bool drive(const std::function<bool()>& is_done, can::Time end,
-             const std::function<void()>& look) override {
+             const std::function<void()>& check_signals) override {
     constexpr can::Duration often = 50ms;
     is_running_ = true;
     link::BusLoop::End how = link::BusLoop::End::time_over;
@@ -99,7 +99,7 @@ class BusPlace final : public MasterPlace {
           const pybind11::gil_scoped_release others;
           how = loop_->run(is_done, std::min(end, can::later(loop_->now(), often)));
         }
-        look();
+        check_signals();
         if (loop_->now() >= end) break;
       }
     } catch (...) {

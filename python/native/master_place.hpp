@@ -26,10 +26,10 @@ class MasterPlace {
   virtual void check() const = 0;
   /// Inside of drive(), or of another run of the plant.
   [[nodiscard]] virtual bool is_running() const noexcept = 0;
-  /// Lets time pass until `is_done`, until `end` at most. True: it is done. `look` is called every now and then and may throw. A
+  /// Lets time pass until `is_done`, until `end` at most. True: it is done. `check_signals` is called every now and then and may throw. A
   /// problem: the bus is lost.
   virtual bool drive(const std::function<bool()>& is_done, can::Time end,
-                     const std::function<void()>& look) = 0;
+                     const std::function<void()>& check_signals) = 0;
 };
 
 /// On the bus of a plant; without a name the only one.

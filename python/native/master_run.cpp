@@ -106,12 +106,13 @@ void MasterRun::check_still() const {
 
 void MasterRun::run_for(can::Duration duration) {
   check();
-  (void)place_->drive([] { return false; }, can::later(now(), duration), look_);
+  (void)place_->drive([] { return false; }, can::later(now(), duration), check_signals_);
 }
 
 bool MasterRun::boot(can::Duration time_out) {
   check();
-  return place_->drive([this] { return network_->start_up_over(); }, can::later(now(), time_out), look_);
+  return place_->drive([this] { return network_->start_up_over(); }, can::later(now(), time_out),
+                       check_signals_);
 }
 
 std::string MasterRun::results() const {
@@ -130,7 +131,7 @@ std::string MasterRun::results() const {
   return lines;
 }
 
-std::string MasterRun::take_events() {
+std::string MasterRun::drain_events() {
   check_still();
   return std::exchange(events_, {});
 }
@@ -168,8 +169,11 @@ SdoResult MasterRun::sdo(unsigned node, unsigned index, unsigned sub, const std:
     own.abort_code = static_cast<std::uint32_t>(client::abort_on_bus(result.abort_code));
     if (result.abort_code != canopen::AbortCode::none) {
       const bool is_answer = result.abort_code != canopen::AbortCode::timed_out;
-      own.reason = client::describe_abort(result.abort_code, is_answer, time_out);
+      own.reason = result.short_answer != nullptr
+                       ? client::describe_short_answer(*result.short_answer)
+                       : client::describe_abort(result.abort_code, is_answer, time_out);
     }
+    own.size_indicated = result.size_indicated;
     own.data.assign(result.data.begin(), result.data.end());
   };
   const manager::SdoRequestOptions options{
@@ -187,7 +191,7 @@ SdoResult MasterRun::sdo(unsigned node, unsigned index, unsigned sub, const std:
     throw PlantProblem("the master's own node is in reset or stopped: let time pass, or call boot()");
   }
   try {
-    (void)place_->drive([&answer] { return answer->has_value(); }, can::never, look_);
+    (void)place_->drive([&answer] { return answer->has_value(); }, can::never, check_signals_);
   } catch (...) {
     if (network_ != nullptr) master.cancel_requests(to, now());
     throw;
@@ -218,7 +222,7 @@ std::optional<TimedFrame> MasterRun::receive_next(std::size_t token, can::Durati
     return found != subscriptions_.end() && found->second.frames.empty();
   };
   if (waits() && time_out > 0ns) {
-    (void)place_->drive([&waits] { return !waits(); }, can::later(now(), time_out), look_);
+    (void)place_->drive([&waits] { return !waits(); }, can::later(now(), time_out), check_signals_);
   }
   const auto found = subscriptions_.find(token);
   if (found == subscriptions_.end() || found->second.frames.empty()) return std::nullopt;

@@ -32,7 +32,7 @@ class MasterRun final : private can::Participant, private master::NetworkObserve
   MasterRun(const MasterRun&) = delete;
   MasterRun& operator=(const MasterRun&) = delete;
 
-  void set_look(std::function<void()> look) { look_ = std::move(look); }
+  void set_signal_check(std::function<void()> check_signals) { check_signals_ = std::move(check_signals); }
   /// Leaves the bus; again: nothing. Everything but now() and events is a problem afterwards.
   void close();
   [[nodiscard]] can::Time now() const;
@@ -42,7 +42,7 @@ class MasterRun final : private can::Participant, private master::NetworkObserve
   bool boot(can::Duration time_out);
   /// A line of JSON for each slave.
   [[nodiscard]] std::string results() const;
-  [[nodiscard]] std::string take_events();
+  [[nodiscard]] std::string drain_events();
   /// As 1F82H shows it: "operational", "pre-operational", "stopped", "missing", "unknown".
   [[nodiscard]] std::string state(unsigned node) const;
   /// Request NMT [CiA 302-2]: 04H 05H 06H 07H 7FH; node 0: all.
@@ -87,7 +87,7 @@ class MasterRun final : private can::Participant, private master::NetworkObserve
   };
   std::map<std::size_t, Subscription> subscriptions_;
   std::size_t last_token_ = 0;
-  std::function<void()> look_ = [] {};
+  std::function<void()> check_signals_ = [] {};
   can::Time last_{};
   std::unique_ptr<MasterPlace> place_;
   std::unique_ptr<master::NetworkMaster> network_;

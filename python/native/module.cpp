@@ -39,7 +39,7 @@ std::vector<std::uint8_t> bits_of(const std::vector<bool>& bits) { return {bits.
 /// Signals of the operating system, Ctrl-C among them, and exceptions of callbacks, end a run.
 struct Interruption {
   std::optional<py::error_already_set> raised;
-  void look() {
+  void check_signals() {
     if (raised) {
       py::error_already_set error = std::move(*raised);
       raised.reset();
@@ -52,13 +52,13 @@ struct Interruption {
 std::shared_ptr<PlantRun> open_plant(const std::string& path, const std::optional<std::string>& text,
                                      std::optional<std::uint64_t> seed) {
   auto run = PlantRun::open(path, text, seed);
-  run->set_look([] { Interruption().look(); });
+  run->set_signal_check([] { Interruption().check_signals(); });
   return run;
 }
 
 void set_dispatcher(PlantRun& run, py::function dispatcher) {
   const auto interruption = std::make_shared<Interruption>();
-  run.set_look([interruption] { interruption->look(); });
+  run.set_signal_check([interruption] { interruption->check_signals(); });
   run.set_hook([interruption, dispatcher = std::move(dispatcher)](std::size_t device, std::size_t token,
                                                                   can::Time now) {
     if (interruption->raised) return;  // the first one counts
@@ -94,7 +94,7 @@ PYBIND11_MODULE(_core, module) {
       .def_property_readonly("now", [](const PlantRun& run) { return number_of(run.now()); })
       .def("ask", [](PlantRun& run, const std::string& line) { return run.ask(line); })
       .def("run_until", [](PlantRun& run, std::int64_t end) { run.run_until(time_of(end)); })
-      .def("take_events", &PlantRun::take_events)
+      .def("drain_events", &PlantRun::drain_events)
       .def_property_readonly("buses", &PlantRun::buses)
       .def("bit_rate", &PlantRun::bit_rate)
       .def_property_readonly("plcs", &PlantRun::plcs)
@@ -120,13 +120,14 @@ PYBIND11_MODULE(_core, module) {
              const SdoResult result = run.sdo(bus, node, index, sub, bytes, can::Duration(time_out), block);
              return py::make_tuple(
                  result.abort_code, result.reason,
-                 py::bytes(reinterpret_cast<const char*>(result.data.data()), result.data.size()));
+                 py::bytes(reinterpret_cast<const char*>(result.data.data()), result.data.size()),
+                 result.size_indicated);
            })
       .def("record", &PlantRun::record)
-      .def("take_frames",
+      .def("drain_frames",
            [](PlantRun& run, const std::string& bus) {
              py::list frames;
-             for (const TimedFrame& frame : run.take_frames(bus)) frames.append(tuple_of(frame));
+             for (const TimedFrame& frame : run.drain_frames(bus)) frames.append(tuple_of(frame));
              return frames;
            })
       .def("draw", &PlantRun::draw)
@@ -145,7 +146,7 @@ PYBIND11_MODULE(_core, module) {
              return views;
            })
       .def("monitor", &PlantRun::monitor)
-      .def("take_messages", &PlantRun::take_messages)
+      .def("drain_messages", &PlantRun::drain_messages)
       .def("set_dispatcher", &set_dispatcher)
       .def("set_arrival",
            [](PlantRun& run, py::function arrival) {
@@ -167,7 +168,7 @@ PYBIND11_MODULE(_core, module) {
               unsigned dlc) { port.send(frame_of(identifier, data, extended, remote, dlc)); })
       .def("receive", [](PlantPort& port,
                          std::int64_t time_out) { return tuple_of(port.receive(can::Duration(time_out))); })
-      .def("take", [](PlantPort& port) { return tuple_of(port.take()); })
+      .def("take", [](PlantPort& port) { return tuple_of(port.next()); })
       .def("offer",
            [](PlantPort& port, std::uint32_t identifier, const py::bytes& data, bool extended, bool remote,
               unsigned dlc) { return port.offer(frame_of(identifier, data, extended, remote, dlc)); })

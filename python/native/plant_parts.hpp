@@ -224,8 +224,8 @@ struct PlantRun::Parts {
   std::map<std::size_t, ScriptedDevice*> scripts;  // they belong to the devices
   std::optional<std::size_t> acting;
   Hook hook;
-  Look look;
-  Look arrival;
+  Callback check_signals;
+  Callback arrival;
   bool is_on = false;
   bool is_running = false;
   bool is_between = false;  // time waits for those who take frames: they may send
@@ -294,7 +294,7 @@ struct PlantRun::Parts {
       line.run_until(std::min(piece, end));
       if (std::exchange(is_report_due, false)) runs->report();
       wait_for_takers();
-      if (look && (!scripts.empty() || ++turns % often == 0)) look();
+      if (check_signals && (!scripts.empty() || ++turns % often == 0)) check_signals();
     }
   }
 

@@ -41,10 +41,10 @@ std::optional<TimedFrame> PlantPort::receive(can::Duration time_out) {
     run_->parts_->drive(can::later(run_->now(), time_out), 0ns,
                         [this] { return !attachment_->frames.empty(); });
   }
-  return take();
+  return next();
 }
 
-std::optional<TimedFrame> PlantPort::take() {
+std::optional<TimedFrame> PlantPort::next() {
   if (attachment_->frames.empty()) return std::nullopt;
   const TimedFrame frame = attachment_->frames.front();
   attachment_->frames.pop_front();

@@ -27,7 +27,7 @@ std::string joined(std::vector<text::FileError> errors, const std::string& path)
 
 namespace {
 
-std::string take(text::TextOutput& lines) {
+std::string drain(text::TextOutput& lines) {
   std::string text = lines.text();
   lines.clear();
   return text;
@@ -97,8 +97,8 @@ std::shared_ptr<PlantRun> PlantRun::open(const std::string& path, const std::opt
 PlantRun::PlantRun(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 PlantRun::~PlantRun() = default;
 
-void PlantRun::set_look(Look look) { parts_->look = std::move(look); }
-void PlantRun::set_arrival(Look arrival) { parts_->arrival = std::move(arrival); }
+void PlantRun::set_signal_check(Callback check_signals) { parts_->check_signals = std::move(check_signals); }
+void PlantRun::set_arrival(Callback arrival) { parts_->arrival = std::move(arrival); }
 void PlantRun::set_hook(Hook hook) { parts_->hook = std::move(hook); }
 
 void PlantRun::close() {
@@ -135,7 +135,7 @@ void PlantRun::run_until(can::Time end) {
   parts_->drive(end, 5ms, [] { return false; });
 }
 
-std::string PlantRun::take_events() { return take(parts_->lines); }
+std::string PlantRun::drain_events() { return drain(parts_->lines); }
 
 std::vector<std::string> PlantRun::buses() const {
   parts_->check_open();
@@ -262,9 +262,13 @@ SdoResult PlantRun::sdo(const std::string& bus, unsigned node, unsigned index, u
   const canopen::AbortCode code = attachment->client.abort_code();
   SdoResult result{.abort_code = static_cast<std::uint32_t>(client::abort_on_bus(code))};
   if (code != canopen::AbortCode::none) {
-    result.reason = client::describe_abort(code, !attachment->client.gave_up(), time_out);
+    const can::Frame* const short_answer = attachment->client.short_answer();
+    result.reason = short_answer != nullptr
+                        ? client::describe_short_answer(*short_answer)
+                        : client::describe_abort(code, !attachment->client.gave_up(), time_out);
   } else if (!value) {
     result.data.assign(attachment->client.data().begin(), attachment->client.data().end());
+    result.size_indicated = attachment->client.is_size_indicated();
   }
   return result;
 }
@@ -276,7 +280,7 @@ void PlantRun::record(const std::string& bus) {
   if (is_new) on.add_observer(recorder->second);
 }
 
-std::vector<TimedFrame> PlantRun::take_frames(const std::string& bus) {
+std::vector<TimedFrame> PlantRun::drain_frames(const std::string& bus) {
   parts_->check_open();
   const auto found = parts_->recorders.find(parts_->bus(bus).name());
   return found == parts_->recorders.end() ? std::vector<TimedFrame>()
@@ -295,7 +299,7 @@ void PlantRun::monitor() {
   }
 }
 
-std::string PlantRun::take_messages() { return take(parts_->messages); }
+std::string PlantRun::drain_messages() { return drain(parts_->messages); }
 
 std::shared_ptr<PlantPicture> PlantRun::draw(const std::string& bus,
                                              const std::vector<std::string>& signals) {
@@ -368,7 +372,7 @@ void PlantRun::put(const std::string& device, const std::string& object, const s
   if (!parts_->is_running) parts_->start();
   if (!target.put(entry, *bits)) return;
   if (parts_->acting == number) return script.changed();
-  script.touched(target, now());
+  script.value_put(now());
 }
 
 std::string PlantRun::get(const std::string& device, const std::string& object) {

@@ -41,6 +41,7 @@ struct SdoResult {
   std::uint32_t abort_code = 0;  ///< 0: well
   std::string reason{};          ///< "abort 06020000H: object does not exist"
   std::vector<std::uint8_t> data{};
+  bool size_indicated = true;  ///< false: `data` is all four bytes of an expedited answer
 };
 
 class PlantRun;
@@ -76,7 +77,7 @@ class PlantPort {
   /// The next frame; lets plant time pass until one comes, `time_out` at most.
   std::optional<TimedFrame> receive(can::Duration time_out);
   /// The next frame that is there already, at any time.
-  std::optional<TimedFrame> take();
+  std::optional<TimedFrame> next();
   /// From now on one of the frames in turn each period, for so long, 0: until stop(). Those that meet a full queue are not
   /// sent. A token.
   std::size_t repeat(std::vector<can::Frame> frames, can::Duration period, can::Duration duration);
@@ -103,7 +104,7 @@ class PlantPort {
 class PlantRun : public std::enable_shared_from_this<PlantRun> {
  public:
   /// Called every now and then while time passes; may throw, which ends the run at that moment.
-  using Look = std::function<void()>;
+  using Callback = std::function<void()>;
 
   /// Reads the file at `path`, or `text` as if it were there. A problem: every mistake, a line each.
   static std::shared_ptr<PlantRun> open(const std::string& path, const std::optional<std::string>& text,
@@ -112,9 +113,9 @@ class PlantRun : public std::enable_shared_from_this<PlantRun> {
   PlantRun(const PlantRun&) = delete;
   PlantRun& operator=(const PlantRun&) = delete;
 
-  void set_look(Look look);
+  void set_signal_check(Callback check_signals);
   /// Called as soon as a port that is awaited has frames; ports may take and send frames meanwhile, and nothing else.
-  void set_arrival(Look arrival);
+  void set_arrival(Callback arrival);
   /// Ends the run. Everything but now() is a problem afterwards; again: nothing.
   void close();
   [[nodiscard]] bool is_closed() const noexcept;
@@ -125,7 +126,7 @@ class PlantRun : public std::enable_shared_from_this<PlantRun> {
   std::string ask(const std::string& line);
   void run_until(can::Time end);
   /// Lines of JSON since the last call (docs/events.md).
-  std::string take_events();
+  std::string drain_events();
   [[nodiscard]] std::vector<std::string> buses() const;
   /// In bit/s; of the only bus when the name is empty.
   [[nodiscard]] std::uint32_t bit_rate(const std::string& bus) const;
@@ -151,12 +152,12 @@ class PlantRun : public std::enable_shared_from_this<PlantRun> {
   SdoResult sdo(const std::string& bus, unsigned node, unsigned index, unsigned sub,
                 const std::optional<std::string>& value, can::Duration time_out, bool block);
 
-  /// From now on every frame of the bus is kept for take_frames().
+  /// From now on every frame of the bus is kept for drain_frames().
   void record(const std::string& bus);
-  std::vector<TimedFrame> take_frames(const std::string& bus);
-  /// What frames mean, as `canopus trace show --json` says it: for take_messages(), all buses.
+  std::vector<TimedFrame> drain_frames(const std::string& bus);
+  /// What frames mean, as `canopus trace show --json` says it: for drain_messages(), all buses.
   void monitor();
-  std::string take_messages();
+  std::string drain_messages();
 
   /// Draws the bus from now on, and these signals; without any the first that come.
   std::shared_ptr<PlantPicture> draw(const std::string& bus, const std::vector<std::string>& signals);

@@ -18,6 +18,7 @@ std::size_t ScriptedDevice::every(can::Duration period) {
 void ScriptedDevice::start(sim::Device& device, can::Time now) {
   for (Watch& watch : watches_) watch.last = device.node().dictionary().get<std::uint64_t>(watch.entry);
   for (Timer& timer : timers_) timer.next = can::later(now, timer.period);
+  set_alarm();
   hook_(0, 0, now);
 }
 
@@ -37,13 +38,14 @@ bool ScriptedDevice::act(sim::Device& device, can::Time now) {
     watch.last = value;
     hook_(watch.token, value, now);
   }
+  set_alarm();
   return std::exchange(has_changed_, false);
 }
 
-can::Time ScriptedDevice::deadline() const noexcept {
+void ScriptedDevice::set_alarm() noexcept {
   can::Time next = dirty_since_;
   for (const Timer& timer : timers_) next = std::min(next, timer.next);
-  return next;
+  alarm_ = next;
 }
 
 }  // namespace canopus::python

@@ -77,6 +77,17 @@ def test_sdo_reads_and_writes_what_the_bus_carries(running):
                       (0x602, bytes.fromhex("4017100000000000")), (0x582, bytes.fromhex("4b171000bc020000"))]
 
 
+def test_an_answer_without_its_size_has_the_bytes_of_its_type(recwarn):
+    from canopus.plant import _uploaded_value
+    assert _uploaded_value(b"\x34\x12\xaa\xbb", False, 2, "x") == b"\x34\x12" and not recwarn.list
+    assert _uploaded_value(b"\x34\x12\0\0", True, 4, "x") == b"\x34\x12\0\0" and not recwarn.list
+    assert _uploaded_value(b"\x34\x12\0\1", True, 2, "x") == b"\x34\x12\0\1" and not recwarn.list
+    with pytest.warns(UserWarning, match="did not indicate how many of the 4 bytes"):
+        assert _uploaded_value(b"\x34\x12\xaa\xbb", False, 0, "x") == b"\x34\x12\xaa\xbb"
+    with pytest.warns(UserWarning, match="4 bytes came, its type has 2: the others are 0"):
+        assert _uploaded_value(b"\x34\x12\0\0", True, 2, "x") == b"\x34\x12"
+
+
 def test_sdo_failures_have_their_abort_code(running):
     operational(running)
     with pytest.raises(canopus.SdoAbort, match="object does not exist") as missing:
@@ -252,5 +263,5 @@ def test_the_page_does_what_it_says(capsys, monkeypatch):
 def test_a_plant_that_nobody_closes_ends_with_the_program():
     words = "import canopus\nplant = canopus.Plant(%r)\nport = plant.port()\nplant.me = plant\nplant.run(1)\n" % str(PLANT)
     done = subprocess.run([sys.executable, "-c", "import sys\nsys.path[:0] = %r\n" % sys.path[:3] + words],
-                          capture_output=True, text=True, timeout=60)
+                          capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr

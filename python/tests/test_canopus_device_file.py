@@ -81,7 +81,7 @@ def test_limits_are_those_of_the_file():
     assert (entry.low, entry.high) == (-10, 10)
     assert entry.encode(-10) == b"\xf6\xff"
     for value, words in ((11, "above"), (-11, "below"), (40000, "does not fit INTEGER16"), ("x", "integer"), (1.5, "integer"),
-                         (b"\0", "1 bytes")):
+                         (b"\0", "1 byte;")):
         with pytest.raises(DeviceFileError, match=words):
             entry.encode(value)
 
@@ -200,7 +200,7 @@ def test_files_that_make_no_sense_are_refused_with_their_line():
 def test_what_is_repaired_is_said_with_its_line():
     text = OF_ALL_TYPES + "[2100]\nParameterName=Speed\nDataType=5\nAccessType=rw\nDefaultValue=0x1FF\n"
     problem = next(p for p in DeviceFile("x.eds", text=text).problems if "0x1FF" in p.message)
-    assert (problem.severity, problem.line) == ("warning", text.count("\n"))
+    assert (problem.severity, problem.line) == ("loss", text.count("\n"))
 
 
 def test_a_plant_takes_what_was_written(tmp_path):

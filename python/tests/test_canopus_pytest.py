@@ -143,5 +143,5 @@ def test_the_page_shows_a_test_that_passes(tests, pytester):
     block = (root / "docs/python-module.md").read_text().split("## Tests with pytest")[1].split("```python\n")[1].split("```")[0]
     pytester.makepyfile(block.replace('"examples/', f'"{root}/examples/'))
     done = subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(pytester.path)],
-                          capture_output=True, text=True, timeout=60, env={**os.environ, "PYTHONPATH": str(BUILT)})
+                          capture_output=True, text=True, timeout=300, env={**os.environ, "PYTHONPATH": str(BUILT)})
     assert re.search(r"\b1 passed", done.stdout), done.stdout

@@ -115,7 +115,7 @@ def test_in_real_time_a_plant_runs_by_itself(tmp_path):
 
 def test_a_wrong_plant_file_says_what_is_wrong(tmp_path):
     (tmp_path / "wrong.toml").write_text("[[plc]]\nscan = 5\n")
-    with pytest.raises(PlantError, match=r"(?s)did not start, exit code 2:.*wrong.toml:2:8: scan = 5: expected a string"):
+    with pytest.raises(PlantError, match=r"(?s)did not start, exit code 2:.*wrong.toml:2:8: scan = 5: expected a time with a unit in quotes"):
         Plant(tmp_path / "wrong.toml")
     with pytest.raises(PlantError, match="nothing-there: No such file"):
         Plant(HERE / "plant.toml", program="/nothing-there")
@@ -182,3 +182,33 @@ def test_the_fixtures_as_somebody_else_uses_them(pytester):
             assert canopus_plant.time == 0.002
     """)
     pytester.runpytest("--strict-markers").assert_outcomes(passed=1)
+
+
+def test_a_failed_wait_shows_what_the_plant_was_doing(pytester):
+    root = HERE.parents[1]
+    pytester.makefile(".toml", other="""
+[[bus]]
+name = "line1"
+bit_rate = 250_000
+[[plc]]
+listen = "127.0.0.1:0"
+[[plc.module]]
+model = "ME3CAN1-Q"
+head = 0
+node = 1
+master = true
+[plc.module.objects]
+"1F81:09" = 0x05
+""")
+    pytester.makeconftest(f"import sys\nsys.path.insert(0, {str(root / 'python')!r})\npytest_plugins = ['canopus_plc.pytest_plugin']\n")
+    pytester.makepyfile("""
+        import pytest
+        @pytest.mark.canopus_plant("other.toml", trace="frames.log")
+        def test_it(canopus_plant, plc):
+            plc.wait("M0", timeout=4)
+        """)
+    result = pytester.runpytest_subprocess("-p", "no:cacheprovider")
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(["*TimeoutError: 'M0' did not come true within 4 s", "*- plant -*", "time 4 s",
+                                 "node 9: no answer to 1000H*Check that the device is powered*", "frames: frames.log",
+                                 '{*"event": *'])
