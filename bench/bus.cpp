@@ -14,6 +14,7 @@
 #include "canopus/can/frame_bits.hpp"
 #include "canopus/can/timeline.hpp"
 #include "canopus/canopen/service/frame_of.hpp"
+#include "canopus/sim/bus/line/line.hpp"
 
 #include "measure.hpp"
 #include "network.hpp"
@@ -148,23 +149,63 @@ BENCHMARK(full_bus)
     ->Args({127, 16, 0})
     ->Args({127, 1, 1});
 
-// The same with every frame hit by a fault in some bit: all of it is error frames, bit by bit.
+// Simulated seconds per second of a bus whose iterations are 10 ms each.
+void report_pace(benchmark::State& state, std::uint64_t frames) {
+  bench::report(state, frames);
+  state.counters["simulated_seconds_per_second"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * 0.01, benchmark::Counter::kIsRate);
+}
+
+// The same with one frame in `every` hit by a fault in some bit; 1: all of it is error frames.
 void full_bus_of_errors(benchmark::State& state) {
   using namespace std::chrono_literals;
   can::Timeline timeline;
   FullBus full(timeline, static_cast<std::uint32_t>(state.range(0)), false);
-  if (!full.bus.set_faults({{.kind = sim::FaultKind::corrupt}}, 1)) return state.SkipWithError("no faults");
+  const auto every = static_cast<std::uint64_t>(state.range(1));
+  if (!full.bus.set_faults({{.kind = sim::FaultKind::corrupt, .every = every}}, 1))
+    return state.SkipWithError("no faults");
   can::Time now{};
   timeline.run_until(now);
   for (auto _ : state) {
     now += 10ms;
     timeline.run_until(now);
   }
-  bench::report(state, full.bus.load(now).error_frames);
-  state.counters["simulated_seconds_per_second"] =
-      benchmark::Counter(static_cast<double>(state.iterations()) * 0.01, benchmark::Counter::kIsRate);
+  const can::BusLoad load = full.bus.load(now);
+  if (load.error_frames < load.frames / (every + 1)) state.SkipWithError("frames without their errors");
+  report_pace(state, load.frames + load.error_frames);
 }
-BENCHMARK(full_bus_of_errors)->Apply(bench::standard)->ArgName("nodes")->Arg(2)->Arg(33)->Arg(127);
+BENCHMARK(full_bus_of_errors)
+    ->Apply(bench::standard)
+    ->ArgNames({"nodes", "every"})
+    ->Args({2, 1})
+    ->Args({33, 1})
+    ->Args({127, 1})
+    ->Args({127, 100});
+
+// A line of 10 m with clocks of 100 ppm, bit by bit: 60 nodes that send by turns, 69 % load at 250 kbit/s.
+void exact_line(benchmark::State& state) {
+  using namespace std::chrono_literals;
+  can::Timeline timeline;
+  sim::Bus bus("bench", 250'000, timeline);
+  bus.set_line({.length = 10, .clock_ppm = 100});
+  std::vector<sim::Port*> ports;
+  for (std::int64_t number = 0; number < state.range(0); ++number) ports.push_back(&bus.add_port("node"));
+  can::Time now{};
+  std::uint32_t turn = 0;
+  for (auto _ : state) {
+    const can::Time end = now + 10ms;
+    for (; now < end; now += 714'286ns) {
+      ports[turn % ports.size()]->send(can::data_frame(0x180 + turn % 127, {1, 2, 3, 4, 5, 6, 7, 8}));
+      ++turn;
+      timeline.run_until(now);
+    }
+    now = end;
+    timeline.run_until(now);
+  }
+  if (bus.load(now).error_frames > 0) state.SkipWithError("error frames");
+  report_pace(state, bus.load(now).frames);
+}
+BENCHMARK(exact_line)->Apply(bench::standard)->ArgName("nodes")->Arg(5)->Arg(60);
 
 // Heap bytes of one more simulated slave: node, controller and their places on bus and timeline.
 void bytes_per_slave(benchmark::State& state) {

@@ -227,7 +227,7 @@ void sixty_four_clients(benchmark::State& state) {
   std::vector<pollfd> sockets;
   for (const auto& client : clients) {
     sockets.push_back({client->socket(), POLLIN, 0});
-    client->ask();
+    client->request();
   }
   const Child::Seconds before = child.used();
   for (auto _ : state) {  // as many replies as there are clients
@@ -240,11 +240,11 @@ void sixty_four_clients(benchmark::State& state) {
         const Client::Reply reply = client.receive();
         if (reply == Client::Reply::waits) continue;
         if (reply == Client::Reply::wrong) return state.SkipWithError(client.description().c_str());
-        const auto time = static_cast<std::uint32_t>((Clock::now() - client.asked_at()).count());
+        const auto time = static_cast<std::uint32_t>((Clock::now() - client.requested_at()).count());
         times[static_cast<std::size_t>(client.server())].push_back(time);
         all.push_back(time);
         ++replies;
-        client.ask();
+        client.request();
       }
     }
   }
@@ -259,15 +259,15 @@ void sixty_four_clients(benchmark::State& state) {
   const auto requests = static_cast<double>(all.size());
   state.counters["server_seconds"] = (after.user - before.user) / requests;
   state.counters["kernel_seconds"] = (after.kernel - before.kernel) / requests;
-  const auto say = [&](const std::string& who, std::vector<std::uint32_t>& those) {
+  const auto print_times = [&](const std::string& who, std::vector<std::uint32_t>& those) {
     std::ranges::sort(those);
     state.counters[who + "p50_seconds"] = at(those, 500);
     state.counters[who + "p99_seconds"] = at(those, 990);
     state.counters[who + "max_seconds"] = at(those, 1000);
   };
-  say("", all);
+  print_times("", all);
   for (std::size_t server = 0; server < server_count; ++server)
-    say(std::string(names[server]) + '_', times[server]);
+    print_times(std::string(names[server]) + '_', times[server]);
   canopus::bench::report(state, all.size());
 }
 BENCHMARK(sixty_four_clients)

@@ -61,7 +61,7 @@ class Sender final : public link::BusClientListener {
  public:
   Sender(link::BusClient& bus, std::uint64_t frames, std::atomic<std::uint64_t>& received)
       : bus_(bus), frames_(frames), received_(received) {}
-  void go_on() {
+  void send_next() {
     // Not more than a receiver's socket holds: what is measured is not how fast frames are lost.
     while (sent_ < frames_ && under_way_ < 4 && sent_ - received_.load() < 64) {
       if (!bus_.send(numbered(sent_))) return;
@@ -72,7 +72,7 @@ class Sender final : public link::BusClientListener {
   void frame_received(const can::Frame&) override {}
   void frame_sent(const can::Frame&) override {
     --under_way_;
-    go_on();
+    send_next();
   }
   void bus_lost(const std::string& reason) override {
     fmt::print(stderr, "lost: {}\n", reason);
@@ -131,10 +131,10 @@ int measure(const std::string& text, std::uint64_t frames) {
   const auto processor = processor_time();
   std::uint64_t before = 0;
   auto last_progress = begin;
-  sender.go_on();
+  sender.send_next();
   while (received.load() < frames && Clock::now() - last_progress < 2s) {
     one.run_one_for(200us);
-    sender.go_on();
+    sender.send_next();
     if (received.load() != before) {
       before = received.load();
       last_progress = Clock::now();

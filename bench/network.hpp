@@ -44,7 +44,7 @@ class PassThroughBus {
   /// A node that every frame is handed to.
   void add_to_all(canopen::Node& node, Port& port) {
     port.owner = &node;
-    hear_all_.push_back(&node);
+    receivers_of_all_.push_back(&node);
     deliver_ = &deliver_at_once<true>;
   }
   void compile() {
@@ -71,7 +71,7 @@ class PassThroughBus {
   void hand_out(const can::Frame& frame, const can::Participant* from) {
     ++frames_;
     if constexpr (some_hear_all) {
-      for (canopen::Node* node : hear_all_) {
+      for (canopen::Node* node : receivers_of_all_) {
         if (node != from) node->receive(frame, now_);
       }
     }
@@ -104,7 +104,7 @@ class PassThroughBus {
   std::array<std::vector<can::Participant*>, 2048> lists_;
   std::array<can::Participant* const*, 2049> first_{};  // of its hearers, in hearers_
   std::vector<can::Participant*> hearers_;
-  std::vector<canopen::Node*> hear_all_;
+  std::vector<canopen::Node*> receivers_of_all_;
   std::array<Sent, 1200> waiting_;  // twice what all slaves say to one SYNC
 };
 

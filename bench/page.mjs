@@ -30,7 +30,7 @@ function resident() {
 }
 
 /// Frames that the page says the bus has had.
-const frames = () => page.evaluate(() => Number(/(\d+) frames/.exec(document.querySelector(".bus header")?.textContent)?.[1] ?? 0));
+const frames = () => page.evaluate(() => Number(/(\d+) frames/.exec(document.querySelector(".frame-count, .head .about")?.textContent ?? "")?.[1] ?? 0));
 
 async function measure(view) {
   await page.waitForTimeout(2000);
@@ -66,10 +66,10 @@ async function first_frames() {
   const times = [];
   for (let i = 0; i < 3; ++i) {
     await page.goto(url);
-    await page.waitForFunction(() => document.querySelector("#start-folder").textContent !== "" && !document.querySelector("#start-try").disabled);
+    await page.waitForSelector("#start-try:not([disabled])");
     const begin = performance.now();
     await page.click("#start-try");
-    await page.waitForFunction(() => / [1-9]\d* frames/.test(document.querySelector(".bus .faint")?.textContent ?? ""));
+    await page.waitForFunction(() => /[1-9]\d* frames/.test(document.querySelector(".frame-count")?.textContent ?? ""));
     times.push(performance.now() - begin);
   }
   return times;
@@ -81,14 +81,31 @@ if (seconds === "first frame") {
   process.exit();
 }
 await measure("an empty page");
+const million = 1_000_000;
+const go = (hash) => page.evaluate((address) => { location.hash = address; }, hash);
 await page.goto(url);
-await page.waitForSelector(".nodes li");
+await page.waitForSelector(".node");
 await measure("overview");
-await page.evaluate(() => { location.hash = "#bus/0"; });
-await page.waitForSelector("#can-ids a");
+await go("#/bus");
+await page.waitForSelector(".ids a");
 await measure("bus");
-for (const button of (await page.locator("#counters [data-plot]").all()).slice(0, 6)) await button.click();
-await measure("bus, six plots");
-await page.click("#follow");
-await measure("bus, six plots, messages");
+await go("#/objects/line1/2?find=6004");
+await page.waitForSelector("#objects-grid .number");
+for (const node of [2, 3, 4, 5, 6, 7]) {
+  await go(`#/objects/line1/${node}?find=6004`);
+  await page.waitForTimeout(800);
+  await page.click("#objects-grid .number");
+}
+await measure("objects, six plots");
+await go("#/trace");
+await page.waitForSelector("#trace-grid .ag-row");
+await measure("trace, six plots");
+// Lines of a million frames; the oldest ones are forgotten then.
+const records = () => page.evaluate(() => Number(/of (\d+) frames/.exec(document.querySelector(".head .about")?.textContent ?? "")?.[1] ?? 0));
+for (let i = 0; i < 600 && await records() < million; ++i) await page.waitForTimeout(1000);
+await measure(`trace of ${await records()} frames, six plots`);
+await page.mouse.move(900, 400);
+const scrolling = setInterval(() => page.mouse.wheel(0, 2000).catch(() => {}), 100);  // the last one may come when the page is closed
+await measure("the same, scrolled");
+clearInterval(scrolling);
 await browser.close();

@@ -65,11 +65,11 @@ class Client {
   }
 
   /// Sends the next request: a write, then the read of what was written, and so on.
-  void ask() {
+  void request() {
     ++turn_;
     make_request();
     got_.clear();
-    asked_at_ = Clock::now();
+    requested_at_ = Clock::now();
     (void)!::send(socket_, request_.data(), request_.size(), MSG_NOSIGNAL);
   }
 
@@ -92,7 +92,7 @@ class Client {
 
   [[nodiscard]] Server server() const { return server_; }
   [[nodiscard]] int socket() const { return socket_; }
-  [[nodiscard]] Clock::time_point asked_at() const { return asked_at_; }
+  [[nodiscard]] Clock::time_point requested_at() const { return requested_at_; }
   [[nodiscard]] std::string description() const {
     return std::string(names[static_cast<std::size_t>(server_)]) + ' ' + std::to_string(among_) +
            ": wrong reply of " + std::to_string(got_.size()) + " bytes";
@@ -165,7 +165,7 @@ class Client {
   std::string expected_;
   std::string expected_value_;
   std::string got_;
-  Clock::time_point asked_at_;
+  Clock::time_point requested_at_;
 };
 
 }  // namespace canopus::bench
