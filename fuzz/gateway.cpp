@@ -18,7 +18,7 @@ struct Ends : can::Sink, client::GatewaySession::Peer {
     fuzz::expect_well_formed(frame);
     return ++frames % 7 != 0;
   }
-  void say(std::string_view line) override {
+  void send_line(std::string_view line) override {
     expect(line.ends_with("\r\n"));
     line.remove_suffix(2);
     for (const char c : line) expect(c != '\r' && c != '\n' && c != '\x1B');

@@ -129,7 +129,7 @@ class Network final : lss::LssMasterListener, lss::LssSearchListener {
 
   void step() {
     switch (input_.choice(8)) {
-      case 0: return hear(input_.frame(input_.flag() ? lss::from_master : lss::from_slave));
+      case 0: return receive(input_.frame(input_.flag() ? lss::from_master : lss::from_slave));
       case 1: return begin_service();
       case 2:
         if (!master_.busy() && !search_.running())
@@ -144,8 +144,8 @@ class Network final : lss::LssMasterListener, lss::LssSearchListener {
                                              0x51, 0x5A, 0x5D, 0x5E, 0x44, 0x4F, 0x50};
         const std::uint8_t command = input_.one_of(commands);
         const std::uint32_t part = addresses[0].part(command);
-        return hear(lss::frame(lss::from_master, command,
-                               input_.flag() ? part : static_cast<std::uint32_t>(input_.number(3))));
+        return receive(lss::frame(lss::from_master, command,
+                                  input_.flag() ? part : static_cast<std::uint32_t>(input_.number(3))));
       }
       default:
         if (search_.running()) {
@@ -182,7 +182,7 @@ class Network final : lss::LssMasterListener, lss::LssSearchListener {
     expect(begun && master_.busy() && master_.deadline() != can::never);
   }
 
-  void hear(const can::Frame& frame) {
+  void receive(const can::Frame& frame) {
     if (scans_) ++disturbances_;
     master_.receive(frame, now_);
     search_.receive(frame, now_);

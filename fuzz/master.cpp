@@ -88,7 +88,7 @@ class Run final : canopen::NodeListener, manager::MasterListener, public can::Pa
     } else {
       expect(!frame.remote);
     }
-    slaves_.hear(frame);
+    slaves_.receive(frame);
     return !full_;
   }
 

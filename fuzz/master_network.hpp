@@ -61,7 +61,7 @@ inline std::shared_ptr<const canopen::DictionaryDescription> master_objects() {
 
 struct Slaves {
   /// What the master's side sent; the answers wait in `answers`.
-  void hear(const can::Frame& frame) {
+  void receive(const can::Frame& frame) {
     if (frame.extended || answers.size() > 64) return;
     if (frame.identifier == 0x000) {
       for (const std::uint8_t id : slave_ids) {

@@ -44,6 +44,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       settings.identification.objects = {
           "a", "b", "c", "", std::string(200, 'x'), "d", std::string(400, 'y')};
   }
+  if (data[0] >= 128) settings.framing = modbus::Framing::rtu;
   auto session = std::make_unique<modbus::Session>(rack, settings, settings.write);
   canopus::fuzz::converse(*session, stream, chunk);
   return 0;

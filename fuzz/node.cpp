@@ -133,19 +133,20 @@ class Run final : can::Sink, canopen::NodeListener {
   // --- what is done to it
   void step() {
     switch (input_.choice(16)) {
-      case 0: return hear(input_.frame(own_identifier(), false));
-      case 1: return hear(input_.frame(static_cast<std::uint32_t>(input_.number(2)) & 0x7FF));
-      case 2: return hear(input_.frame(static_cast<std::uint32_t>(input_.number(4)) & 0x1FFF'FFFF, true));
+      case 0: return receive(input_.frame(own_identifier(), false));
+      case 1: return receive(input_.frame(static_cast<std::uint32_t>(input_.number(2)) & 0x7FF));
+      case 2: return receive(input_.frame(static_cast<std::uint32_t>(input_.number(4)) & 0x1FFF'FFFF, true));
       case 3:
-        return hear(
+        return receive(
             can::data_frame(0x000, {input_.one_of(commands), input_.flag() ? own_id : std::uint8_t{0}}));
       case 4:
-      case 5: return hear(sdo_request());
+      case 5: return receive(sdo_request());
       case 6: return write();
       case 7:
-        return hear(can::remote_frame(0x700U + node_.node_id(), static_cast<std::uint8_t>(input_.choice(2))));
-      case 8: return hear(can::data_frame(0x080, std::span(counter_).first(counts_sync_ ? 1 : 0)));
-      case 9: return hear(can::data_frame(0x709U + input_.choice(3), {input_.one_of(states)}));
+        return receive(
+            can::remote_frame(0x700U + node_.node_id(), static_cast<std::uint8_t>(input_.choice(2))));
+      case 8: return receive(can::data_frame(0x080, std::span(counter_).first(counts_sync_ ? 1 : 0)));
+      case 9: return receive(can::data_frame(0x709U + input_.choice(3), {input_.one_of(states)}));
       case 10:
       case 11: return pass_time();
       case 12: return application();
@@ -155,7 +156,7 @@ class Run final : can::Sink, canopen::NodeListener {
     }
   }
 
-  void hear(const can::Frame& frame) {
+  void receive(const can::Frame& frame) {
     const bool wanted = frame.extended ? node_.wants_extended() : node_.wants(frame.identifier);
     if (frame.identifier == 0x080 && !frame.extended)
       counter_[0] = static_cast<std::uint8_t>(counter_[0] % 5 + 1);
@@ -226,8 +227,8 @@ class Run final : can::Sink, canopen::NodeListener {
     const bool last = input_.flag();
     for (unsigned i = 0; i < count; ++i) {
       const unsigned mark = last && i + 1 == count ? 0x80 : 0;
-      hear(can::data_frame(identifier,
-                           {static_cast<std::uint8_t>((first + i) % 128 | mark), 1, 2, 3, 4, 5, 6, 7}));
+      receive(can::data_frame(identifier,
+                              {static_cast<std::uint8_t>((first + i) % 128 | mark), 1, 2, 3, 4, 5, 6, 7}));
     }
   }
 
@@ -238,30 +239,33 @@ class Run final : can::Sink, canopen::NodeListener {
     const auto low = static_cast<std::uint8_t>(index);
     const auto high = static_cast<std::uint8_t>(index >> 8);
     const std::uint8_t sub = static_cast<std::uint8_t>(input_.choice(4));
-    const auto say = [&](std::initializer_list<std::uint8_t> bytes) {
-      hear(can::data_frame(identifier, bytes));
+    const auto send_request = [&](std::initializer_list<std::uint8_t> bytes) {
+      receive(can::data_frame(identifier, bytes));
     };
     if (input_.flag()) {
       const auto block_size = static_cast<std::uint8_t>(1 + input_.choice(127));
-      say({static_cast<std::uint8_t>(0xA0 | (input_.flag() ? 4 : 0)), low, high, sub, block_size, 0, 0, 0});
-      say({0xA3, 0, 0, 0, 0, 0, 0, 0});
+      send_request(
+          {static_cast<std::uint8_t>(0xA0 | (input_.flag() ? 4 : 0)), low, high, sub, block_size, 0, 0, 0});
+      send_request({0xA3, 0, 0, 0, 0, 0, 0, 0});
       for (unsigned blocks = input_.choice(8); blocks != 0; --blocks) {
         const std::uint8_t confirmed =
             input_.flag() ? static_cast<std::uint8_t>(input_.choice(128)) : last_sequence_;
-        say({0xA2, confirmed, block_size, 0, 0, 0, 0, 0});
+        send_request({0xA2, confirmed, block_size, 0, 0, 0, 0, 0});
       }
-      if (input_.flag()) say({0xA1, 0, 0, 0, 0, 0, 0, 0});
+      if (input_.flag()) send_request({0xA1, 0, 0, 0, 0, 0, 0, 0});
       return;
     }
     const unsigned count = 1 + input_.choice(140);
     const unsigned unused = input_.choice(8);
     const unsigned size = 7 * count - std::min(unused, 7 * count);
-    say({0xC2, low, high, sub, static_cast<std::uint8_t>(size), static_cast<std::uint8_t>(size >> 8), 0, 0});
+    send_request(
+        {0xC2, low, high, sub, static_cast<std::uint8_t>(size), static_cast<std::uint8_t>(size >> 8), 0, 0});
     for (unsigned i = 0; i < count; ++i) {
       const unsigned last = i + 1 == count ? 0x80 : 0;
-      say({static_cast<std::uint8_t>((i % 127 + 1) | last), 0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77});
+      send_request(
+          {static_cast<std::uint8_t>((i % 127 + 1) | last), 0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77});
     }
-    say({static_cast<std::uint8_t>(0xC1 | unused << 2), 0, 0, 0, 0, 0, 0, 0});
+    send_request({static_cast<std::uint8_t>(0xC1 | unused << 2), 0, 0, 0, 0, 0, 0, 0});
   }
 
   void pass_time() {

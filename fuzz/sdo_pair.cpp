@@ -164,7 +164,7 @@ class Pair final : canopen::SdoClientListener {
     }
     ++disturbances_;
     bool accepted = true;
-    switch (input_.choice(6)) {
+    switch (input_.choice(7)) {
       case 0: break;  // lost
       case 1:
         frames.push_back(frame);
@@ -182,6 +182,11 @@ class Pair final : canopen::SdoClientListener {
         frames.push_back(frame);
         break;
       }
+      case 5:  // cut short
+        changed_ = true;
+        frame.dlc = static_cast<std::uint8_t>(input_.choice(8));
+        frames.push_back(frame);
+        break;
       default: {
         changed_ = true;
         const can::Frame other = input_.frame(frame.identifier);
@@ -198,6 +203,7 @@ class Pair final : canopen::SdoClientListener {
     const can::Duration time_outs[] = {1s, 0s, 100ms, 2s};
     options.sdo_server_time_out = input.one_of(time_outs);
     options.sdo_maximum_download = input.flag() ? 1U << 20 : 300;
+    options.accepts_short_sdo_requests = input.flag();
     return options;
   }
 
@@ -208,6 +214,8 @@ class Pair final : canopen::SdoClientListener {
 
   void sdo_finished(canopen::SdoClient& client, can::Time) override {
     expect(&client == &client_ && running_ && !client_.busy());
+    const can::Frame* const answer = client.short_answer();
+    expect(answer == nullptr || (answer->dlc < 8 && client.abort_code() == AbortCode::length_too_low));
     running_ = false;
   }
 

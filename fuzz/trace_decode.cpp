@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   trace::TracePicture picture({});
   can::Time now{};
   std::size_t frames = 0;
-  const auto take = [&](const trace::Message& message) {
+  const auto add_message = [&](const trace::Message& message) {
     if (message.kind.empty() || message.data.size() > trace::most_sdo_data) std::abort();
     if (!message.is_transfer) ++frames;
     statistics.message(message, decoder);
@@ -38,10 +38,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     record.time = now;
     statistics.record(record, "can0");
     const std::size_t before = frames;
-    decoder.receive(record, "can0", take);
+    decoder.receive(record, "can0", add_message);
     if (frames != before + 1) std::abort();
   }
-  decoder.finish(take);
+  decoder.finish(add_message);
   statistics.finish();
   if (!picture.svg("fuzz").ends_with("</svg>\n")) std::abort();
   return 0;

@@ -67,7 +67,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check(**reader, **next);
     if (calls > 3) continue;
     for (const FormatName& entry : format_names) {
-      if (entry.format == FileFormat::blf) continue;
+      if (!entry.is_written) continue;
       const std::string_view channel = (*reader)->channel((*next)->channel);
       write_and_read(entry.format, channel, **next);
     }

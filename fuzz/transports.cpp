@@ -53,13 +53,13 @@ void cannelloni(std::span<const std::uint8_t> bytes) {
     }
   }
   auto rest = bytes;
-  while (const auto record = link::take_cannelloni_record(rest)) {
+  while (const auto record = link::next_cannelloni_record(rest)) {
     if (record->kind == link::CannelloniRecord::Kind::wrong) break;
     if (record->kind != link::CannelloniRecord::Kind::frame) continue;
     std::string out;
     link::append_cannelloni_record(out, record->frame);
     std::span<const std::uint8_t> written(reinterpret_cast<const std::uint8_t*>(out.data()), out.size());
-    const auto again = link::take_cannelloni_record(written);
+    const auto again = link::next_cannelloni_record(written);
     expect(again.has_value() && again->frame == record->frame && written.empty());
   }
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <initializer_list>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -26,15 +27,24 @@ bool names(std::string_view head, std::initializer_list<std::string_view> places
                              [&](std::string_view place) { return lower.find(place) != std::string::npos; });
 }
 
-void look_at_request(std::string_view bytes, const web::WebPlace& place) {
+std::shared_ptr<const web::PageFiles> page_files() {
+  web::PageFiles files;
+  files.add("index.html", "<head></head>");
+  files.add("login.html", "<p id=\"said\" role=\"alert\"></p>");
+  files.add("page.js", "export {};");
+  return std::make_shared<const web::PageFiles>(files);
+}
+
+void check_request(std::string_view bytes, const web::WebPlace& place) {
   const std::size_t length = web::end_of_head(bytes);
   fuzz::expect(length <= bytes.size());
   const std::string_view head = length == 0 ? bytes : bytes.substr(0, length);
   const auto request = web::read_head(head);
   const web::WebAnswer answer = request ? web::answer_to(*request, place) : request.error();
-  fuzz::expect(answer.status == 101 || answer.status == 200 || (answer.status >= 400 && answer.status < 600));
+  fuzz::expect(answer.status == 101 || answer.status == 200 || answer.status == 304 ||
+               (answer.status >= 400 && answer.status < 600));
   fuzz::expect(web::written(answer).starts_with("HTTP/1.1 "));
-  if (answer.status == 101 || answer.status == 200) {
+  if (answer.status == 101 || answer.status == 200 || answer.status == 304) {
     fuzz::expect(head.size() <= web::longest_web_head);
     fuzz::expect(place.has_users ? names(head, {":8080", "plant.example"})
                                  : names(head, {"127.0.0.1:8080", "localhost:8080"}));
@@ -53,7 +63,7 @@ void look_at_request(std::string_view bytes, const web::WebPlace& place) {
   }
 }
 
-void look_at_users(std::string_view bytes) {
+void check_users(std::string_view bytes) {
   if (const auto form = web::read_form(bytes)) fuzz::expect(form->size() <= web::most_form_fields);
   const auto users = web::parse_web_users(bytes, "users");
   if (!users) return fuzz::expect(users.error().starts_with("users:"));
@@ -67,10 +77,14 @@ void look_at_users(std::string_view bytes) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
-  look_at_request(bytes, {.address = "127.0.0.1", .port = 8080});
-  look_at_request(bytes,
-                  {.address = "0.0.0.0", .port = 8080, .origin = "https://plant.example", .has_users = true});
-  look_at_users(bytes);
+  static const auto files = page_files();
+  check_request(bytes, {.address = "127.0.0.1", .port = 8080, .files = files});
+  check_request(bytes, {.address = "0.0.0.0",
+                        .port = 8080,
+                        .origin = "https://plant.example",
+                        .has_users = true,
+                        .files = files});
+  check_users(bytes);
   if (const auto wish = web::parse_client_message(bytes)) {
     fuzz::expect(wish->messages.has_value() + wish->views.has_value() + wish->command.has_value() == 1);
     fuzz::expect(!wish->views || wish->views->size() <= web::ClientMessage::most_views);
