@@ -33,7 +33,7 @@ class Card:
         logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # what it would say is said here
         self.client = ModbusTcpClient(host, port=port, timeout=PATIENCE)
         if not self.client.connect():
-            raise Fault(f"nobody answers at {host}:{port}")
+            raise Fault(f"no answer from {host}:{port}")
 
     def close(self):
         self.client.close()
@@ -66,7 +66,7 @@ class Card:
         answer = self.read(D + 24000, 24)
         status = answer[0] & 0xFF
         if status == 0x0A:
-            raise Fault(f"node {node} has refused {data[0]:04X}H:{data[1]:02X}H, abort code {answer[6]:04X}{answer[5]:04X}H")
+            raise Fault(f"node {node} has refused {data[0]:04X}:{data[1]:02X}, abort code {answer[6]:04X}{answer[5]:04X}H")
         if status != 1:
             raise Fault(f"request {kind} to node {node}: {STATUS.get(status, status)}")
         return answer

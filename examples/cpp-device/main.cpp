@@ -40,17 +40,19 @@ class Tank final : public sim::DeviceApplication {
     level_ = std::min(1.0, level_ + filled);
     since_ = now;
     pump_ = (device.node().dictionary().get<std::uint8_t>(0x6200, 1, 0) & 1) != 0;
+    alarm_ = pump_ ? now + 10ms : can::never;
     const std::uint64_t switches = (level_ >= 0.1 ? 1U : 0U) | (level_ >= 1 ? 2U : 0U);
     return device.put(switches_, switches);
   }
-  /// It looks at the pump's work every 10 ms.
-  [[nodiscard]] can::Time deadline() const noexcept override { return pump_ ? since_ + 10ms : can::never; }
+  /// Due every 10 ms while the pump runs.
+  [[nodiscard]] can::Alarm& alarm() noexcept override { return alarm_; }
 
  private:
   canopen::Entry switches_;
   double level_ = 0;
   bool pump_ = false;
   can::Time since_{};
+  can::Alarm alarm_;
 };
 
 /// Boots the tank [CiA 302-2], turns the pump on by SDO, and off again when the tank says that it is full.

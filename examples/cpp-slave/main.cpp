@@ -51,7 +51,7 @@ class Slave final : public can::Participant, private canopen::NodeListener {
     if (entry.index == 0x6200) take_outputs(now);
   }
 
-  /// 6200H:01 are the digital outputs, 6000H:01 the inputs [CiA 401].
+  /// 6200:01 are the digital outputs, 6000:01 the inputs [CiA 401].
   void take_outputs(can::Time now) {
     const auto outputs = node_.dictionary().get<std::uint8_t>(0x6200, 1, 0);
     if (outputs == outputs_) return;

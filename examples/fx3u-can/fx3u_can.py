@@ -165,7 +165,7 @@ class Fx3uCan:
         self.set_up(0x8400, [word for slave in slaves for word in slave] + [END], "slave settings")
 
     def store_objects(self, *nodes):
-        """1010H:01 = "save" of these nodes, or of the module alone (10.6)."""
+        """1010:01 = "save" of these nodes, or of the module alone (10.6)."""
         self.set_up(0x6000, [*(nodes or [OWN_NODE]), END], "store")
 
     # --- command interface (10)
@@ -179,7 +179,7 @@ class Fx3uCan:
 
     def sdo_read(self, node, index, sub=0):
         """The object's bytes, up to 124."""
-        what = f"SDO read of node {node}, {index:04X}H:{sub:02X}H"
+        what = f"SDO read of node {node}, {index:04X}:{sub:02X}"
         result = self.command(0x0004, [node, index, sub], what)
         if result[0] != 0x0005:
             raise CommandError(what, result)
@@ -189,7 +189,7 @@ class Fx3uCan:
         """`data`: 1 to 124 bytes; u8(), u16() and u32() make them of numbers."""
         padded = data + bytes(len(data) % 2)
         words = struct.unpack(f"<{len(padded) // 2}H", padded)
-        what = f"SDO write to node {node}, {index:04X}H:{sub:02X}H"
+        what = f"SDO write to node {node}, {index:04X}:{sub:02X}"
         result = self.command(0x0002, [node, index, sub, len(data), *words], what)
         if result[0] != 0x0003:
             raise CommandError(what, result)
@@ -225,7 +225,7 @@ class Fx3uCan:
         self.set_up(0x7410, [word for node in nodes for word in node] + [END], "heartbeat producing")
 
     def consume_heartbeats(self, *nodes, consumer=OWN_NODE):
-        """(node, ms): 1016H:01 on of the consumer (10.3.1)."""
+        """(node, ms): 1016:01 on of the consumer (10.3.1)."""
         self.set_up(0x7400, [consumer, *[word for node in nodes for word in node], END], "heartbeat consuming")
 
     def error_control(self):

@@ -171,7 +171,7 @@ class Me3Can1Q:
         self.sdo_write(OWN_NODE, 0x1F84, node, u32(device_type))
 
     def store_objects(self):
-        """1010H:01 = "save": the object dictionary goes to the flash memory (4.6.10)."""
+        """1010:01 = "save": the object dictionary goes to the flash memory (4.6.10)."""
         self.sdo_write(OWN_NODE, 0x1010, 1, b"save")
 
     # --- SDO, through the command interface (5.1)
@@ -187,7 +187,7 @@ class Me3Can1Q:
 
     def sdo_read(self, node, index, sub=0):
         """The object's bytes, up to 124."""
-        result = self.command([0x0004, node, index, sub], f"SDO read of node {node}, {index:04X}H:{sub:02X}H")
+        result = self.command([0x0004, node, index, sub], f"SDO read of node {node}, {index:04X}:{sub:02X}")
         return struct.pack("<62H", *result[5:67])[:result[4]]
 
     def sdo_write(self, node, index, sub, data):
@@ -195,7 +195,7 @@ class Me3Can1Q:
         padded = data + bytes(len(data) % 2)
         words = struct.unpack(f"<{len(padded) // 2}H", padded)
         self.command([0x0002, node, index, sub, len(data), *words],
-                     f"SDO write to node {node}, {index:04X}H:{sub:02X}H")
+                     f"SDO write to node {node}, {index:04X}:{sub:02X}")
 
     # --- network management
 

@@ -44,7 +44,7 @@ def main(host="127.0.0.1", port="5007"):
         print("four PDOs are set up")
 
         # SDOWrite, SDORead: any object of the station. ReleaseAnalogInputdata of the manual's example is such a write:
-        # many stations send analogue inputs only after 6423H:00 = 1 (CiA 401); this one needs none.
+        # many stations send analogue inputs only after 6423:00 = 1 (CiA 401); this one needs none.
         module.sdo_write(STATION, 0x6411, 1, u16(1))
         print(f"the station is of device type {number(module.sdo_read(STATION, 0x1000)):08X}H")
 
