@@ -7,7 +7,7 @@ import shutil
 import subprocess
 
 from docs_checks import transcripts
-from kit import (HERE, PATIENCE, PYTHON, ROOT, RawClient, Skip, check, command, covers, node_modules, require, running,
+from kit import (HERE, PATIENCE, PYTHON, ROOT, RawClient, Skip, attempts, check, command, covers, node_modules, require, running,
                  scratch, talking, tshark_agrees, until)
 from module_checks import in_order, recorded
 from port_checks import port_of
@@ -250,6 +250,7 @@ def libmodbus_runs_the_requests_of_an_as_fcopm():
 
 @check
 @covers("ASF-SRM-002 ASF-SRM-005 ASF-SRS-003 ASF-CFG-010 ASF-CFG-011 ASF-CFG-012")
+@attempts(3)  # F2H is there for 2 s
 def a_wrong_node_id_and_downloads_of_an_as_fcopm_are_shown_in_sr825():
     """F5H of a node-ID that is none: nothing is sent. F2H, as slave A3H, while the running PLC gets a download, then as before."""
     client = pymodbus()

@@ -1,7 +1,7 @@
 #!/usr/bin/env node
 // A CANopen stack that is not ours identifies devices and commands the last of them by NMT, over socketcand.
 //
-// For each device it reads 1000H (must be TYPE), 1008H (must be NAME) and 1018H:01, 02 (must be VENDOR, PRODUCT); what is not
+// For each device it reads 1000H (must be TYPE), 1008H (must be NAME) and 1018:01, 02 (must be VENDOR, PRODUCT); what is not
 // given is read without being compared. Then it makes the last device send heartbeats, sends it to Pre-operational and starts
 // it, and expects both states in its heartbeats.
 import { argumentsOrUsage, check, patience, run } from './interop_report.mjs';
@@ -33,9 +33,9 @@ run(async () => {
     compare(`node ${node} 1000H device type`, await read(node, 0x1000, 0, DataType.UNSIGNED32), type, Number);
     compare(`node ${node} 1008H name`, await read(node, 0x1008, 0, DataType.VISIBLE_STRING), name, String);
     const entries = await read(node, 0x1018, 0, DataType.UNSIGNED8);
-    check(`node ${node} 1018H:00 names 1 to 4 entries (${entries})`, entries >= 1 && entries <= 4, true);
-    compare(`node ${node} 1018H:01 vendor`, await read(node, 0x1018, 1, DataType.UNSIGNED32), vendor, Number);
-    if (entries >= 2) compare(`node ${node} 1018H:02 product`, await read(node, 0x1018, 2, DataType.UNSIGNED32), product, Number);
+    check(`node ${node} 1018:00 names 1 to 4 entries (${entries})`, entries >= 1 && entries <= 4, true);
+    compare(`node ${node} 1018:01 vendor`, await read(node, 0x1018, 1, DataType.UNSIGNED32), vendor, Number);
+    if (entries >= 2) compare(`node ${node} 1018:02 product`, await read(node, 0x1018, 2, DataType.UNSIGNED32), product, Number);
   }
 
   const { node } = expected.at(-1);

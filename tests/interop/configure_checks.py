@@ -9,7 +9,7 @@ import sys
 
 from as_fcopm_checks import card_plant, port_of
 from docs_checks import transcripts
-from kit import PATIENCE, ROOT, check, command, covers, host_port, program, require, running, scratch, until
+from kit import ANSWER, PATIENCE, ROOT, check, command, covers, host_port, program, require, running, scratch, until
 
 sys.path.insert(0, str(ROOT / "python"))
 from canopus_plc import Plc  # noqa: E402
@@ -33,7 +33,7 @@ def fx3u_plant(name, device='node = 3', store=False):
 def tool(plant, *words, expect=0):
     """A command of the tool on the running plant."""
     online = ("read", "diff", "write", "scan", "sdo-read", "sdo-write", "status", "reset", "nodes", "identify")
-    port = ["--port", host_port(plant.mc)[1]] if plant is not None and words[0] in online else []
+    port = ["--plc", host_port(plant.mc)[1], "--timeout", f"{PATIENCE}s"] if plant is not None and words[0] in online else []
     return command(program, "configure", *words, *port, expect=expect, env=state())
 
 
@@ -67,7 +67,7 @@ class Module:
 
 
 def stop_cpu(plant):
-    command(program, "plc", "stop", "--port", host_port(plant.mc)[1])
+    command(program, "plc", "stop", "--plc", host_port(plant.mc)[1])
 
 
 @check
@@ -205,11 +205,11 @@ def a_project_is_downloaded_in_stop_alone():
         tool(None, "set", path, "rpdo/1", "map=6000:01:8")
         said = tool(plant, "write", path, "--yes", expect=1)
         require("abort 0602" in said.stderr or "abort 0604" in said.stderr, said.stderr)
-        require("1600H:01" not in said.stdout.split("rpdo 1: 1400H:01")[1] and "read back" not in said.stdout, said.stdout)
+        require("1600:01" not in said.stdout.split("rpdo 1: 1400:01")[1] and "read back" not in said.stdout, said.stdout)
         # A project that is wrong in itself is not begun.
         tool(None, "set", path, "master", "Priority time slot=1")
         require("Priority time slot" in tool(plant, "write", path, "--yes", expect=4).stderr, "a wrong project")
-    gone = command(program, "configure", "diff", path, "--port", host_port(plant.mc)[1], "--timeout", "1s", expect=1, env=state())
+    gone = command(program, "configure", "diff", path, "--plc", host_port(plant.mc)[1], "--timeout", "1s", expect=1, env=state())
     require("canopus" in gone.stderr and not gone.stdout, gone.stderr)
 
 
@@ -312,17 +312,18 @@ def the_vendors_operations_on_an_as_fcopm_are_commands():
         path.write_text(path.read_text().replace("bit_rate = 1_000_000", f"bit_rate = {rate}_000"))
         with running(path, has_plc=False) as plant:
             host, port = port_of(plant, "Modbus TCP")
-            on_plc = lambda *words: command(program, "plc", *words, "--modbus", "--host", host, "--port", port).stdout
-            said = lambda: command(program, "scan", "--nodes", "1-9", "--bus", f"socketcand:{plant.socketcand}").stdout
+            on_plc = lambda *words: command(program, "plc", *words, "--modbus", "--plc", f"{host}:{port}").stdout
+            bus = ("--bus", f"socketcand:{plant.socketcand}", "--timeout", ANSWER)
+            said = lambda: command(program, "scan", "--nodes", "1-9", *bus).stdout
             until(lambda: "2 nodes found" in said() and " operational" in said(), "the scan does not find master and slave")
             require(re.search(rf"^ +{node}  .*AS300 Series PLC$", said(), re.M) and re.search("^ +3  .*Canopus drive$", said(), re.M), said())
             require(on_plc("read", "SR822").split()[1] == str(rate), "the card's bit rate")
             shown = command(program, "eds", "show", drive).stdout
             require(re.search("^60FF:00 +INTEGER32 +rw", shown, re.M), "index and sub-index of the slave's parameters")
-            sdo = lambda *words: command(program, "sdo", *words, "--bus", f"socketcand:{plant.socketcand}").stdout
+            sdo = lambda *words: command(program, "sdo", *words, *bus).stdout
             sdo("write", "3", "6083:00", "4321", "--type", "u32")
             require("4321" in sdo("read", "3", "6083:00", "--type", "u32"), "a parameter that was edited")
-    gone = command(program, "plc", "read", "SR822", "--modbus", "--host", host, "--port", port, "--timeout", "1s", expect=1)
+    gone = command(program, "plc", "read", "SR822", "--modbus", "--plc", f"{host}:{port}", "--timeout", "1s", expect=1)
     require(port in gone.stderr, "a PLC that is not there")
 
 

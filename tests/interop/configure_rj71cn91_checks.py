@@ -22,7 +22,7 @@ def rack(name, position=0):
 def new(name, *settings, number=0):
     path = scratch / f"{name}.xml"
     path.unlink(missing_ok=True)
-    tool(None, "new", path, "--model", "RJ71CN91", "--number", str(number))
+    tool(None, "new", path, "--module", "RJ71CN91", "--number", str(number))
     for window, *fields in settings:
         tool(None, "set", path, window, *fields)
     return path
@@ -85,7 +85,7 @@ def configure_writes_an_rj71cn91_in_stop_and_it_stays():
         stop_cpu(plant)
         tool(None, "set", path, "rpdo/2", "map=6000:01:8")
         failed = tool(plant, "write", path, "--part", "rpdo", "--yes", expect=1)
-        require("1601H:01" in failed.stderr and "abort" in failed.stderr and "read back" not in failed.stdout, failed.stderr)
+        require("1601:01" in failed.stderr and "abort" in failed.stderr and "read back" not in failed.stdout, failed.stderr)
         require("of 1 to 256" in tool(plant, "write", path, "--pdos", "257", expect=2).stderr, "--pdos 257")
 
 
@@ -118,7 +118,7 @@ def configure_reaches_an_rj71cn91s_network():
         for line in ("Device type +983441", "Vendor-ID +0x00000000", "Product code +1025", "Revision number +0x00010000", "Serial number +0x00000001"):
             require(re.search(f"^  {line}$", shown, re.M), f"{line} is not in {shown}")
         module.sdo_write(0, 0x1F86, 3, (77).to_bytes(4, "little"))
-        tool(plant, "identify", path, "3", "--from", "master")
+        tool(plant, "identify", path, "3", "--source", "master")
         shown = tool(None, "show", path, "slave").stdout
         require(re.search("^  Product code +77$", shown, re.M) and re.search("^  Device type +0$", shown, re.M), shown)
         require("node 9: abort" in tool(plant, "identify", path, "9", expect=1).stderr, "a node that is not there")
@@ -141,7 +141,7 @@ def configure_reaches_an_rj71cn91s_network():
         require("bit 6" not in tool(plant, "status", "--clear").stdout and not module.x(0x0F), "--clear")
         plant.wait(lambda e: e["event"] == "signal" and e["signal"] == "Y0F" and e["on"])
         plant.wait(lambda e: e["event"] == "signal" and e["signal"] == "Y0F" and not e["on"])
-        require("--model" in command(program, "configure", "scan", "--model", "ME3", "--port", "1", expect=2, env=state()).stderr, "--model")
+        require("--module" in command(program, "configure", "scan", "--module", "ME3", "--plc", "1", expect=2, env=state()).stderr, "--module")
 
 
 @check

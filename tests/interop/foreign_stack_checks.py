@@ -3,7 +3,7 @@ of the other services; and of devices of a plant as LSS slaves."""
 import json
 
 from bus_checks import device_plant, on_bus, peer, DEVICE, PATTERN
-from kit import (HERE, ROOT, check, command, host_port, node_modules, program, require, running, scratch, silence, tshark_agrees)
+from kit import (HERE, ROOT, attempts, check, command, host_port, node_modules, program, require, running, scratch, silence, tshark_agrees)
 
 
 def node_script(plant, name, *words):
@@ -58,7 +58,7 @@ def sdo_command_reads_and_writes_npm_canopen():
             read = lambda *words, **options: on_bus(plant, "sdo", "read", "40", *words, **options)
             write = lambda *words, **options: on_bus(plant, "sdo", "write", "40", *words, **options)
             require('"npm canopen"' in read("1008", "--type", "text").stdout, "1008H")
-            require("00000319H" in read("1018:01", "--type", "u32").stdout, "1018H:01")
+            require("00000319H" in read("1018:01", "--type", "u32").stdout, "1018:01")
             require("12345678H" in read("2002", "--type", "u32").stdout, "2002H")
             path = scratch / "domain"
             read("2001", "--file", path)
@@ -104,6 +104,7 @@ def npm_canopen_hears_and_commands_by_every_service():
 
 
 @check
+@attempts(2)
 def lss_command_finds_and_numbers_foreign_devices():
     node_modules()
     identities = ["0x319:0x1234:0x10002:7", "0x319:0x1234:0x10002:0xFFFFFFFF", "0x71:0xED63:1:0"]
@@ -124,6 +125,7 @@ def lss_command_finds_and_numbers_foreign_devices():
 
 
 @check
+@attempts(2)
 def a_late_answer_to_a_scan_begins_it_again():
     node_modules()
     with device_plant((5, DEVICE, "")) as plant:
@@ -151,6 +153,7 @@ def json_lines(done):
 
 
 @check
+@attempts(2)
 def lss_command_makes_a_network_of_unconfigured_devices():
     path = lss_example("plant.toml", "lss-state")
     fast = ("--timeout", silence(50), "--json")
@@ -205,6 +208,7 @@ def me3can1_finds_an_unconfigured_slave_of_another_bit_rate_by_lss():
 
 
 @check
+@attempts(3)
 def npm_canopen_as_lss_master_configures_our_devices():
     node_modules()
     with running(lss_example("plant.toml", "lss-npm"), has_plc=False) as plant:

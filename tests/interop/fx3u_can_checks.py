@@ -6,7 +6,7 @@ import sys
 import time
 
 from bus_checks import on_bus
-from kit import (HERE, PATIENCE, ROOT, check, command, covers, host_port, node_modules, program, require, running, scratch, silence,
+from kit import (ANSWER, HERE, PATIENCE, ROOT, check, command, covers, host_port, node_modules, program, require, running, scratch,
                  talking, tshark_agrees, until)
 from module_checks import Plc, example_plant, in_order, recorded
 
@@ -204,7 +204,7 @@ def scan_finds_an_fx3u_can_as_the_configuration_tool_does():
     with running(fx3_plant("fx3u-can-scan", 'node = 5')) as plant:
         wait_started(plant, 5)
         for words, wanted in (([], [5]), (["--nodes", "5-127"], [5]), (["--nodes", "6-127"], []), (["--nodes", "4-6"], [5]), (["--nodes", "1-4"], [])):
-            done = on_bus(plant, "scan", "--json", "--timeout", silence(50), *words, expect=0 if wanted else 1)
+            done = on_bus(plant, "scan", "--json", "--timeout", ANSWER, *words, expect=0 if wanted else 1)
             found = [json.loads(line) for line in done.stdout.splitlines()]
             require([(node["node"], node["name"]) for node in found] == [(node, "FX3U-CAN") for node in wanted], f"{words}: {found}")
         require(plant.stop()[0] == 0, "exit code")
@@ -247,7 +247,7 @@ def words_of_an_fx3u_can_by_1e_frames_byte_by_byte():
             # Alone on its bus it is error passive sooner or later, bit 14.
             shown = (module.words(21, 1), module.g(29) & ~0x4000, module.g(39))
             require(shown == ([405], 0x0041, 21), f"#21 = 1: #21, #29, #39 are {shown}")
-            # A command: an SDO read of the own 1018H:02.
+            # A command: an SDO read of the own 1018:02.
             ask(0x0F, 1001, 3, struct.pack("<3H", 0, 0x1018, 2))
             ask(0x0F, 1000, 1, struct.pack("<H", 4))
             until(lambda: ask(0x0E, 1000, 1)[2:] == b"\x05\x00", "#1000 is not 0005H")

@@ -3,8 +3,8 @@ import shutil
 import subprocess
 
 from foreign_stack_checks import lss_example
-from gateway_checks import DEVICE, Client, gateway, gateway_on
-from kit import HERE, PYTHON, Skip, check, command, program, require, running, scratch, silence
+from gateway_checks import DEVICE, Client, gateway, gateway_on, patient
+from kit import HERE, PYTHON, Skip, attempts, check, command, program, require, running, scratch, silence
 
 TIME_OUT = "ERROR:103 #time-out"
 
@@ -22,11 +22,12 @@ def lss_frames(trace):
 
 
 @check
+@attempts(3)
 def gateway_configures_devices_by_lss():
     path = lss_example("plant.toml", "gateway-lss")
     valves = "0 0x401 0x10000 0x0A02"
     with running(path, has_plc=False) as plant, gateway_on(plant) as (port, _server):
-        client = Client(port)
+        client = patient(port)
         client.ask("[1] lss_ident_nonconf", "[1] OK")
         client.ask("[2] lss_switch_glob 0", "[2] OK")
         client.ask(f"[3] lss_switch_sel {valves}", "[3] OK")
@@ -69,6 +70,7 @@ def gateway_configures_devices_by_lss():
 
 
 @check
+@attempts(3)
 def gateway_changes_the_bit_rate_of_devices():
     path = lss_example("plant.toml", "gateway-rate")
     with running(path, has_plc=False) as plant, gateway_on(plant) as (port, _server):
@@ -95,7 +97,7 @@ def gateway_changes_the_bit_rate_of_devices():
 @check
 def gateway_has_the_size_of_a_command():
     with gateway() as (port, _server):
-        client = Client(port)
+        client = patient(port)
         client.ask("[1] set command_size 32", "[1] OK")
         client.ask("[2] 5 r 0x1018 2 u32 " + " " * 11, "[2] 1280")
         client.ask("[3] 5 r 0x1018 2 u32 " + " " * 12, "ERROR:101 #syntax error")

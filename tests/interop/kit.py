@@ -1,6 +1,7 @@
 """What the checks of interop.py share: running commands and plants, skipping, the scratch folder."""
 import argparse
 import contextlib
+import functools
 import json
 import os
 import pathlib
@@ -59,8 +60,10 @@ class Scratch(os.PathLike):
 scratch = Scratch()
 
 # What is there at once on an idle machine is given so many seconds: they cost something only when a check fails.
-PATIENCE = 120
-BROWSER_PATIENCE = 800  # s, for a whole script of a browser: many pages, on a machine that builds meanwhile
+PATIENCE = 300
+PAGE_PATIENCE = 600  # s, to build the page: packages, types, tests
+# The time-out of a command whose nodes answer at once on an idle machine, but for those that are not there: these it waits for in full.
+ANSWER = "5s"
 
 
 def silence(milliseconds):
@@ -102,25 +105,75 @@ def tier(name):
     return mark
 
 
+class Pauses:
+    """Measures how long this process got no processor although it wanted one."""
+
+    longest = 0.0  # s
+    _step = 0.01
+
+    def __enter__(self):
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._measure, daemon=True)
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self._ended.set()
+        self._thread.join()
+
+    def _measure(self):
+        last = time.monotonic()
+        while not self._ended.wait(self._step):
+            now = time.monotonic()
+            self.longest = max(self.longest, now - last - self._step)
+            last = now
+
+
+def attempts(most, pause=0.1):
+    """Of a check whose commands take silence for an answer, or that has to see a state which passes: where the machine gave it no processor
+    for `pause` s, its failure says nothing, and it is done anew in an empty folder, `most` times in all; that is printed."""
+    def mark(function):
+        @functools.wraps(function)
+        def tried():
+            for left in reversed(range(most)):
+                with Pauses() as pauses:
+                    try:
+                        return function()
+                    except AssertionError as error:
+                        if not left or pauses.longest < pause:
+                            raise
+                        print(f"    again from the start, after a pause of the machine of {pauses.longest:.1f} s and: {error}")
+                for path in scratch.iterdir():
+                    shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
+        return tried
+    return mark
+
+
 def require(condition, message):
     if not condition:
         raise AssertionError(message)
 
 
 def command(*words, timeout=PATIENCE, expect=0, **options):
-    """Runs a command to its end; its output is the message if it ends otherwise than expected."""
-    done = subprocess.run([str(w) for w in words], capture_output=True, text=True, errors="replace", timeout=timeout, **options)
-    require(done.returncode == expect, f"{' '.join(map(str, words))}\nexit code {done.returncode}, expected {expect}\n"
-            f"{done.stdout[-4000:]}\n{done.stderr[-4000:]}")
+    """Runs a command to its end; its output is the message if it ends otherwise than expected, or not in time."""
+    def shown(outcome, *outputs):
+        texts = (text.decode(errors="replace") if isinstance(text, bytes) else text or "" for text in outputs)
+        return "\n".join([" ".join(map(str, words)), outcome, *(text[-4000:] for text in texts)])
+
+    try:
+        done = subprocess.run([str(w) for w in words], capture_output=True, text=True, errors="replace", timeout=timeout, **options)
+    except subprocess.TimeoutExpired as late:
+        raise AssertionError(shown(f"not done after {timeout} s; its output up to then:", late.stdout, late.stderr)) from None
+    require(done.returncode == expect, shown(f"exit code {done.returncode}, expected {expect}", done.stdout, done.stderr))
     return done
 
 
-def until(condition, message, timeout=PATIENCE):
+def until(condition, message, timeout=PATIENCE, pause=0.01):
     """Asks again until it is so; a program that runs in real time is not there at once."""
     end = time.monotonic() + timeout
     while not condition():
         require(time.monotonic() < end, message)
-        time.sleep(0.01)
+        time.sleep(pause)
 
 
 class RunningPlant:
@@ -128,18 +181,18 @@ class RunningPlant:
 
     runs = 0
 
-    def __init__(self, plant, has_plc=True, words=(), is_served=True):
+    def __init__(self, plant, has_plc=True, words=(), is_served=True, copy=None):
         RunningPlant.runs += 1
         self.trace = scratch / f"run-{RunningPlant.runs}.pcap"
-        self._start("run", plant, "--trace", self.trace, *words)
+        self._start("run", plant, "--trace", self.trace, *words, copy=copy)
         if has_plc:
             self.mc = self.wait(lambda e: e["event"] == "listen" and e["protocol"].startswith("MC protocol"))["address"]
         if not is_served:
             return
         self.socketcand = self.wait(lambda e: e["event"] == "listen" and e["protocol"] == "socketcand")["address"]
 
-    def _start(self, *words, cwd=None):
-        self.process = subprocess.Popen([program, *map(str, words), "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    def _start(self, *words, cwd=None, copy=None):
+        self.process = subprocess.Popen([copy or program, *map(str, words), "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                         text=True, cwd=cwd, env={**os.environ, "XDG_STATE_HOME": str(scratch / "configure-state")})
         self.events, self.lines = [], queue.Queue()
         self.reader = threading.Thread(target=self._read, daemon=True)
@@ -193,7 +246,8 @@ class Talker:
         self.process = subprocess.Popen([str(w) for w in words], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                         stderr=subprocess.STDOUT, text=True)
         self.said, self.lines = [], queue.Queue()
-        threading.Thread(target=self._read, daemon=True).start()
+        self.reader = threading.Thread(target=self._read, daemon=True)
+        self.reader.start()
 
     def _read(self):
         for line in self.process.stdout:
@@ -201,9 +255,9 @@ class Talker:
             self.lines.put(self.said[-1])
         self.lines.put(None)
 
-    def wait_line(self, wanted):
+    def wait_line(self, wanted, timeout=PATIENCE):
         """The first line, of those that no wait has taken yet, that is wanted."""
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + timeout
         while True:
             try:
                 line = self.lines.get(timeout=max(0.01, end - time.monotonic()))
@@ -215,6 +269,7 @@ class Talker:
 
     def require_end(self, code=0):
         ended = self.process.wait(timeout=PATIENCE)
+        self.reader.join(PATIENCE)  # its last lines
         require(ended == code, f"{self.words} ended with {ended}:\n" + "\n".join(self.said))
 
 
@@ -298,8 +353,9 @@ def first_plant_file():
 
 
 @contextlib.contextmanager
-def running(plant_file, has_plc=True, operational=(), words=(), is_served=True):
-    plant = RunningPlant(plant_file, has_plc, words, is_served)
+def running(plant_file, has_plc=True, operational=(), words=(), is_served=True, copy=None):
+    """`copy`: a copy of the program that runs in its place."""
+    plant = RunningPlant(plant_file, has_plc, words, is_served, copy)
     try:
         plant.wait_operational(operational)
         yield plant
@@ -329,8 +385,36 @@ def node_modules():
         if not shutil.which(tool):
             raise Skip(f"{tool} is not installed")
     with node_packages.one_at_a_time(HERE):
-        node_packages.install(HERE, scratch.path.parent, lambda words: command("npm", *words, cwd=HERE, timeout=600))
+        try:
+            node_packages.install(HERE, scratch.path.parent, lambda words: command("npm", *words, cwd=HERE, timeout=800))
+        except node_packages.NoRegistry as error:
+            raise Skip(f"the packages of npm are not there, and its registry cannot be reached: {str(error)[-300:]}") from None
         build_crc()
+
+
+def page_tool(*words):
+    """tools/page. Checks run side by side, and its npm packages are those of all."""
+    for tool in ("node", "npm"):
+        if not shutil.which(tool):
+            raise Skip(f"{tool} is not installed")
+    unreachable = scratch.path.parent / "page-unreachable"  # said by another check of this run
+    with node_packages.one_at_a_time(ROOT / "canopus/web/page"):
+        if not unreachable.exists():
+            try:
+                return command(ROOT / "tools/page", *words, timeout=PAGE_PATIENCE)
+            except AssertionError as error:
+                if "npm ci in" not in str(error) or not node_packages.is_of_the_network(str(error)):
+                    raise
+                unreachable.write_text(str(error)[-300:])
+    raise Skip(f"the page is not built, and npm's registry cannot be reached: {unreachable.read_text()}")
+
+
+def page_files():
+    """The files of the page beside the program, where `./check` has built them; else they are built now."""
+    folder = pathlib.Path(program).resolve().parent / "page"
+    if not (folder / "index.html").is_file():
+        page_tool(folder)
+    return folder
 
 
 def browser():

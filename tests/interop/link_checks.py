@@ -14,7 +14,7 @@ def example(name, **changes):
 
 def words(plant, address, count=1):
     host, port = host_port(plant.mc)
-    said = command(program, "plc", "read", f"U0\\G{address}", "--count", count, "--host", host, "--port", port, "--format", "dec")
+    said = command(program, "plc", "read", f"U0\\G{address}", "--count", count, "--plc", f"{host}:{port}", "--format", "dec")
     return [int(line.split()[-1]) for line in said.stdout.splitlines()]
 
 
@@ -27,7 +27,7 @@ def module_masters_devices_of_another_process():
     """examples/real-bus: an ME3CAN1-Q in one process, its slaves in another; then the slaves' process ends and comes again."""
     with running(example("devices.toml"), has_plc=False) as devices:
         link = f"socketcand:{devices.socketcand}/line1"
-        with running(example("module.toml"), words=("--link", link), is_served=False) as plant:
+        with running(example("module.toml"), words=("--bus", link), is_served=False) as plant:
             until(lambda: operational(plant, [2, 3]), "the slaves of another process are operational")
             seen = set()
             until(lambda: seen.update(words(plant, 10000)) or len(seen) > 3, "their process data move")
@@ -48,21 +48,21 @@ def linked_bus_is_refused_where_it_cannot_be():
     plant = str(example("module.toml"))
     for link, more, code, told in (
             ("socketcand:127.0.0.1:1", (), 2, "Connection refused"),
-            ("socketcan:nosuchcan9", (), 2, "--link socketcan:nosuchcan9: "),
+            ("socketcan:nosuchcan9", (), 2, "--bus socketcan:nosuchcan9: "),
             ("replay:/none/run.log", (), 2, "/none/run.log"),
             ("line7=sim", (), 2, 'there is no bus "line7"; expected one of line1'),
             ("socketcan:can0", ("--virtual", "--for", "1s"), 2, "runs ahead of a real bus")):
-        done = command(program, "run", plant, "--link", link, *more, expect=code)
+        done = command(program, "run", plant, "--bus", link, *more, expect=code)
         require(told in done.stderr, f"{link}: {done.stderr}")
     log = scratch / "wave.log"
     log.write_text("(1.000000) can0 702#00\n")
-    done = command(program, "run", plant, "--link", f"replay:{log}", "--virtual", "--for", "1s", "--vcd", scratch / "w.vcd", expect=1)
+    done = command(program, "run", plant, "--bus", f"replay:{log}", "--virtual", "--for", "1s", "--vcd", scratch / "w.vcd", expect=1)
     require("is not simulated" in done.stderr, done.stderr)
-    done = command(program, "run", plant, "--link", f"replay:{log}", "--virtual", "--for", "1s", "--trace", log, expect=1)
+    done = command(program, "run", plant, "--bus", f"replay:{log}", "--virtual", "--for", "1s", "--trace", log, expect=1)
     require("would be overwritten" in done.stderr and log.read_text().endswith("702#00\n"), done.stderr)
-    twice = command(program, "run", plant, "--link", f"replay:{log}", "--link", "sim", "--virtual", "--for", "1s", expect=2)
-    require("has a --link already" in twice.stderr, twice.stderr)
-    here = command(program, "run", plant, "--link", "replay:wave.log", "--virtual", "--for", "1s", "--quiet", cwd=scratch)
+    twice = command(program, "run", plant, "--bus", f"replay:{log}", "--bus", "sim", "--virtual", "--for", "1s", expect=2)
+    require("has a --bus already" in twice.stderr, twice.stderr)
+    here = command(program, "run", plant, "--bus", "replay:wave.log", "--virtual", "--for", "1s", "--quiet", cwd=scratch)
     require(not here.stderr, f"a path of the command line is meant from where the user is: {here.stderr}")
 
 
@@ -73,7 +73,7 @@ def trace_of_a_run_is_a_bus():
     command(program, "run", example("devices.toml"), "--virtual", "--for", "3s", "--trace", trace, "--quiet")
     recorded = trace.read_text().splitlines()
     again = scratch / "again.log"
-    command(program, "run", example("module.toml"), "--link", f"replay:{trace}", "--virtual", "--for", "3s", "--trace", again,
+    command(program, "run", example("module.toml"), "--bus", f"replay:{trace}", "--virtual", "--for", "3s", "--trace", again,
             "--quiet")
     played = [line for line in again.read_text().splitlines() if "#" in line]
     first = float(recorded[0].split(")")[0][1:])

@@ -9,8 +9,8 @@ import threading
 import time
 
 from bus_checks import on_bus
-from kit import (HERE, PATIENCE, ROOT, check, command, covers, first_plant_file, host_port, node_modules, program, require,
-                 running, scratch, silence, talking, until)
+from kit import (ANSWER, HERE, PATIENCE, ROOT, check, command, covers, first_plant_file, host_port, node_modules, program, require,
+                 running, scratch, talking, until)
 
 EXAMPLES = ROOT / "examples/me3can1-q"
 sys.path += [str(EXAMPLES), str(ROOT / "python")]
@@ -238,13 +238,16 @@ def scan_and_sdo_do_what_the_configuration_tool_does_online():
             said = on_bus(plant, "scan", "--json", *words, **options).stdout
             return [json.loads(line) for line in said.splitlines()], time.monotonic() - begun
 
-        found, _ = scan("--nodes", "126-127", "--timeout", silence(200))
+        found, _ = scan("--nodes", "126-127", "--timeout", ANSWER)
         require([(node["node"], node["name"]) for node in found] == [(127, "RJ71CN91")], str(found))
         found, _ = scan("--nodes", "1-3", "--timeout", "50ms", expect=1)
         require(not found, str(found))
-        short = scan("--nodes", "1-20", "--timeout", "20ms", expect=1)[1]
-        long = scan("--nodes", "1-20", "--timeout", "500ms", expect=1)[1]
-        require(long - short > 0.3, f"{short} s and {long} s")  # the nodes are asked side by side
+        # The nodes are asked side by side. What a busy machine takes besides may be more than the 480 ms for the first, but not always.
+        def sooner():
+            times.append([scan("--nodes", "1-20", "--timeout", time_out, expect=1)[1] for time_out in ("20ms", "500ms")])
+            return times[-1][1] - times[-1][0] > 0.3
+        times = []
+        until(sooner, f"with 20 ms and with 500 ms it takes {times} s")
         on_bus(plant, "sdo", "write", "127", "1017", "700", "--type", "u16")
         require("700" in on_bus(plant, "sdo", "read", "127", "1017", "--type", "u16").stdout, "1017H")
         refused = on_bus(plant, "sdo", "write", "127", "1000", "1", "--type", "u32", expect=1)
@@ -422,7 +425,7 @@ def killed_while_saving_leaves_old_or_new_settings():
     path = scratch / "killed.toml"
     path.write_text(text)
     dice = random.Random(1)
-    words, objects = {(500, 500)}, {(0, 0)}  # what G70 and G71, and 1F84H:09 and :0A, may be now
+    words, objects = {(500, 500)}, {(0, 0)}  # what G70 and G71, and 1F84:09 and :0A, may be now
     seen_words, seen_objects, reported = set(), set(), 0
     for kill in range(31):
         with running(path) as plant:
@@ -442,11 +445,15 @@ def killed_while_saving_leaves_old_or_new_settings():
                 seen_objects.add(found_objects)
                 if kill == 30:
                     break
-                killer = threading.Timer(dice.uniform(0, 0.4), plant.process.kill)
-                killer.start()
+                # Some steps are done first, however slow the machine is; then it is killed within about one more.
+                steps, begun, killer = dice.randrange(4), time.monotonic(), None
                 words, objects = {found}, {found_objects}
                 try:
                     for step in range(1, 1000):
+                        if step > steps and killer is None:
+                            one = (time.monotonic() - begun) / steps if steps else 0.05
+                            killer = threading.Timer(dice.uniform(0, 1.5) * one, plant.process.kill)
+                            killer.start()
                         new = (100 * kill + step, 5000 + 100 * kill + step)
                         module.set_g(70, *new)
                         words.add(new)  # from here on it may be stored

@@ -36,11 +36,11 @@ run(async () => {
 
   check('1000H device type', await read(0x1000, 0, u32), 0x195);
   check('1008H device name', await read(0x1008, 0, text), model);
-  check('1018H:00 entries', await read(0x1018, 0, u8), 3);
-  check('1018H:01 vendor', await read(0x1018, 1, u32), vendor);
-  check('1018H:02 product code', await read(0x1018, 2, u32), product);
-  check('1018H:03 revision', await read(0x1018, 3, u32), revision);
-  check('1018H:04 serial number is refused', await abortCodeOf(read(0x1018, 4, u32)), 0x06090011);
+  check('1018:00 entries', await read(0x1018, 0, u8), 3);
+  check('1018:01 vendor', await read(0x1018, 1, u32), vendor);
+  check('1018:02 product code', await read(0x1018, 2, u32), product);
+  check('1018:03 revision', await read(0x1018, 3, u32), revision);
+  check('1018:04 serial number is refused', await abortCodeOf(read(0x1018, 4, u32)), 0x06090011);
 
   const eds = Eds.fromFile(edsFile);
   check('EDS: 1008H', eds.getEntry(0x1008).defaultValue, await read(0x1008, 0, text));
@@ -48,7 +48,7 @@ run(async () => {
     check(`EDS: 1018H:0${sub}`, eds.getSubEntry(0x1018, sub).value, await read(0x1018, sub, u32));
   }
   check('EDS: RPDOs', Array.from({ length: 256 }, (_, i) => eds.getEntry(0x1400 + i)).filter(Boolean).length, pdos);
-  check('EDS: 1A05H:03', eds.getSubEntry(0x1A05, 3).value, await read(0x1A05, 3, u32));
+  check('EDS: 1A05:03', eds.getSubEntry(0x1A05, 3).value, await read(0x1A05, 3, u32));
 
   await write(0x1017, 0, 200, u16);
   check('heartbeat in Pre-operational', await heartbeat(NmtState.PRE_OPERATIONAL), NmtState.PRE_OPERATIONAL);
@@ -88,10 +88,10 @@ run(async () => {
   device.nmt.resetNode(node);
   check('boot-up after the reset', await heartbeat(0), 0);
   check('heartbeat after the reset', await heartbeat(NmtState.PRE_OPERATIONAL), NmtState.PRE_OPERATIONAL);
-  check('1800H:03 was stored', await read(0x1800, 3, u16), 50);
-  check('1A00H:00 was stored', await read(0x1A00, 0, u8), 1);
-  check('1A00H:01 was stored', await read(0x1A00, 1, u32), 0xA1000110);
-  check('1016H:01 was stored', await read(0x1016, 1, u32), 0x007E03E8);
+  check('1800:03 was stored', await read(0x1800, 3, u16), 50);
+  check('1A00:00 was stored', await read(0x1A00, 0, u8), 1);
+  check('1A00:01 was stored', await read(0x1A00, 1, u32), 0xA1000110);
+  check('1016:01 was stored', await read(0x1016, 1, u32), 0x007E03E8);
   check('1017H was stored', await read(0x1017, 0, u16), 200);
   for (const [communication, cobId, type, entry] of [[0x1400, 0x200 + node, 254, 0xA5800110],
     [0x1401, 0x300 + node, 1, 0xA5800510], [0x1801, 0x40000280 + node, 1, 0xA1000510]]) {

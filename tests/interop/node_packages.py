@@ -2,6 +2,8 @@
 import contextlib
 import fcntl
 import json
+import re
+import time
 
 
 @contextlib.contextmanager
@@ -12,20 +14,35 @@ def one_at_a_time(folder):
         yield
 
 
-def install(folder, run_folder, npm):
-    """Makes `folder`/node_modules what `folder`/package.json says, by `npm(words)`, which raises where that fails. Checks of one run,
-    whose folder is `run_folder`, try it once: the others fail with the same words."""
+class NoRegistry(Exception):
+    """The npm registry cannot be reached."""
+
+
+def install(folder, run_folder, npm, pauses=(10, 40)):
+    """Makes `folder`/node_modules what `folder`/package.json says, by `npm(words)`, which raises where that fails: NoRegistry where there is
+    no network, after further attempts behind these pauses. Checks of one run, whose folder is `run_folder`, try it once: the others fail
+    with the same words."""
     if is_installed(folder):
         return
     failure = run_folder / "npm-failure"
-    if failure.exists():
-        raise RuntimeError(failure.read_text())
-    try:
-        # What is optional are serial ports.
-        npm(["ci", "--no-audit", "--no-fund", "--ignore-scripts", "--omit=optional"])
-    except Exception as error:
-        failure.write_text(str(error))
-        raise
+    if not failure.exists():
+        said = ""
+        for pause in (*pauses, None):
+            try:
+                # What is optional are serial ports.
+                return npm(["ci", "--no-audit", "--no-fund", "--ignore-scripts", "--omit=optional", "--fetch-retries=3"])
+            except Exception as error:
+                said = str(error)
+            if pause is None or not is_of_the_network(said):
+                break
+            time.sleep(pause)
+        failure.write_text(said)
+    raise (NoRegistry if is_of_the_network(failure.read_text()) else RuntimeError)(failure.read_text())
+
+
+def is_of_the_network(failure):
+    """Whether npm says that it has not reached its registry."""
+    return re.search(r"\b(ENOTFOUND|EAI_AGAIN|ECONNREFUSED|ECONNRESET|ETIMEDOUT|ENETUNREACH|EHOSTUNREACH|ERR_SOCKET_TIMEOUT|E50[0234])\b", failure) is not None
 
 
 def is_installed(folder):

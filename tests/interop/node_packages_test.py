@@ -61,6 +61,18 @@ def test_an_install_that_fails_is_tried_once_in_a_run(tmp_path, run_folder):
     assert npm.calls == 1
 
 
+def test_a_registry_that_is_out_of_reach_is_no_failure_of_the_checks(tmp_path, run_folder):
+    npm = Npm(tmp_path, error="npm error code EAI_AGAIN\nnpm error request to https://registry.npmjs.org/canopen failed")
+    for _ in range(2):
+        with pytest.raises(node_packages.NoRegistry, match="EAI_AGAIN"):
+            node_packages.install(tmp_path, run_folder, npm, pauses=(0, 0))
+    assert npm.calls == 3
+    npm = Npm(tmp_path, error="npm error code EINTEGRITY")
+    (run_folder / "npm-failure").unlink()
+    with pytest.raises(RuntimeError, match="EINTEGRITY"):
+        node_packages.install(tmp_path, run_folder, npm)
+
+
 def test_the_next_run_tries_an_install_again(tmp_path, run_folder):
     npm = Npm(tmp_path, error="npm ci: no network")
     with pytest.raises(RuntimeError):

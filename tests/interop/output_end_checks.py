@@ -33,8 +33,8 @@ def a_full_disk_is_an_error_of_every_command():
         host, port = mc_address(lines)
         commands = [["--help"], ["--version"], ["run", "--help"], ["check", plant], ["eds", "check", eds],
                     ["eds", "check", "--json", eds], ["module", "list"], ["module", "info", "me3can1-q"],
-                    ["module", "eds", "me3can1-q"], ["plc", "read", "D100", "--port", port], ["plc", "type", "--port", port],
-                    ["plc", "watch", "D100", "--port", port], ["run", plant], ["run", plant, "--json"],
+                    ["module", "eds", "me3can1-q"], ["plc", "read", "D100", "--plc", port], ["plc", "type", "--plc", port],
+                    ["plc", "watch", "D100", "--plc", port], ["run", plant], ["run", plant, "--json"],
                     ["run", plant, "--virtual", "--for", "2s"], ["run", plant, "--virtual", "--for", "2s", "--json"]]
         for words in commands:
             with open("/dev/full", "wb") as full:

@@ -1,13 +1,13 @@
 """Checks of `canopus plc` against a plant that stands still between two commands."""
 import json
 
-from kit import check, command, host_port, program, require, scratch
+from kit import ROOT, check, command, host_port, program, require, scratch
 from step_checks import stepped
 
 
 def plc_of(plant):
     _, port = host_port(plant.servers["MC protocol"])
-    return lambda *words, **options: command(program, "plc", *words, "--port", port, **options)
+    return lambda *words, **options: command(program, "plc", *words, "--plc", port, **options)
 
 
 @check
@@ -54,6 +54,26 @@ def words_are_read_by_the_names_of_the_manual():
         require("did you mean communication_status?" in plc("read", "U0:comunication_status", *model, expect=2).stderr, "no help")
         plc("read", "X:error_status", expect=2)
         require(" communication_status\n" in command(program, "plc", "names").stdout, "the names")
+
+
+@check
+def signals_of_a_pdo_are_read_written_and_watched_by_name():
+    example = ("--plant", ROOT / "examples/first-plant/plant.toml")
+    with stepped() as plant:
+        plc = plc_of(plant)
+        plant.run(until=r"U0\G604 == 5", **{"for": "60s"})
+        require("U0\\G10008  drive.6041:00 Statusword  64  0040H  switch on disabled\n" == plc("read", "drive.Statusword", *example).stdout,
+                plc("read", "drive.Statusword", *example).stdout)
+        plc("write", r"U0\G13000", "0x1234")
+        plc("write", "io-block.6200:02", "0xA5", *example)
+        require("A534H" in plc("read", r"U0\G13000").stdout, "the other byte of the word is not kept")
+        require("300 does not fit" in plc("write", "io-block.6200:02", "300", *example, expect=2).stderr, "300 fits into 8 bits")
+        require("comes from the node" in plc("write", "encoder.6004", "5", *example, expect=2).stderr, "an input is written")
+        require('did you mean "encoder"?' in plc("read", "encodr.6004", *example, expect=2).stderr, "no near name")
+        line = json.loads(plc("watch", "drive.6041", "--json", "--for", "1ms", *example).stdout.splitlines()[0])
+        require(line.pop("time") >= 0 and line == {"drive.6041:00": 64}, line)
+        rows = plc("watch", "drive.6041", "--csv", "--for", "1ms", *example).stdout.splitlines()
+        require(rows[0] == "time,drive.6041:00" and rows[1].endswith(",64"), rows)
 
 
 @check

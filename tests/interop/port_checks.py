@@ -12,7 +12,8 @@ def with_ports():
     text = first_plant_file().read_text()
     ports = ('[[plc.port]]\nlisten = "127.0.0.1:0"\nframe = "1E"\n'
              '[[plc.port]]\nlisten = "127.0.0.1:0"\ntransport = "udp"\nframe = "any"\n'
-             '[[plc.modbus]]\nlisten = "127.0.0.1:0"\n')
+             '[[plc.modbus]]\nlisten = "127.0.0.1:0"\n'
+             '[[plc.modbus]]\nlisten = "127.0.0.1:0"\nframing = "rtu"\n')
     path = scratch / "with-ports.toml"
     path.write_text(text + ports)
     return running(path, operational=[1])
@@ -53,6 +54,13 @@ def npm_modbus_serial_and_jsmodbus_read_and_write():
 
 
 @check
+def npm_modbus_serial_speaks_rtu_over_tcp():
+    node_modules()
+    with with_ports() as plant:
+        command("node", HERE / "modbus_clients.js", *port_of(plant, "Modbus RTU"), "modbus-serial-rtu")
+
+
+@check
 def pymodbus_reads_and_writes():
     if subprocess.run([PYTHON, "-c", "import pymodbus"], capture_output=True).returncode != 0:
         raise Skip("python3-pymodbus is not installed")
@@ -80,7 +88,7 @@ def canopus_plc_speaks_what_the_ports_speak():
     with running(path, operational=[1]) as plant:
         def plc(protocol, *options):
             _, port = port_of(plant, protocol)
-            return lambda *words, expect=0: command(program, "plc", *words, "--port", port, *options, expect=expect)
+            return lambda *words, expect=0: command(program, "plc", *words, "--plc", port, *options, expect=expect)
         ports = [plc("MC protocol 1E", "--1e"), plc("MC protocol 1E", "--1e", "--ascii"),
                  plc("MC protocol UDP", "--udp", "--password", "secret"),
                  plc("MC protocol UDP", "--udp", "--4e", "--ascii", "--password", "secret")]

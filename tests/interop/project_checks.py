@@ -7,13 +7,13 @@ import shutil
 import subprocess
 
 from docs_checks import differs, transcripts
-from kit import PATIENCE, ROOT, check, command, host_port, program, require, running, scratch, silence
+from kit import ANSWER, PATIENCE, ROOT, check, command, host_port, program, require, running, scratch, silence
 
 DEVICES = ROOT / "examples/devices"
 
 
 def project(*words, expect=0, bus=None, cwd=scratch):
-    online = ["--bus", f"socketcand:{bus}"] if bus else []
+    online = ["--bus", f"socketcand:{bus}", *(() if "--timeout" in words else ("--timeout", ANSWER))] if bus else []
     return command(program, "project", *words, *online, expect=expect, cwd=cwd)
 
 
@@ -60,7 +60,7 @@ def the_page_of_projects_shows_what_the_commands_print():
         for commands in transcripts(page):
             for line, shown in commands:
                 words = shlex.split(line)
-                online = ["--bus", f"socketcand:{plant.socketcand}"] if words[2] in ("diff", "write", "adopt", "report", "accept") else []
+                online = ["--bus", f"socketcand:{plant.socketcand}", "--timeout", ANSWER] if words[2] in ("diff", "write", "adopt", "report", "accept") else []
                 done = subprocess.run([program, *words[1:], *online], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                                       timeout=PATIENCE, cwd=folder)
                 different = differs(shown, done.stdout.splitlines(), ())
@@ -120,7 +120,7 @@ def each_kind_of_failure_has_its_exit_code():
             (("add", folder, scratch / "none.eds"), 3, "No such file"),
             (("add", folder, folder / "nodelist.cpj"), 5, "nodelist.cpj: line"),
             (("add", folder, DEVICES / "drive.eds", "--node-id", "5"), 5, "1 is free"),
-            (("add", folder, DEVICES / "drive.eds", "--bit-rate", "fast"), 2, "expected for example 500k"),
+            (("add", folder, DEVICES / "drive.eds", "--bit-rate", "fast"), 2, "expected 10k, 20k, 50k"),
             (("pdo", "link", folder, "5.6041", "6.6040"), 5, "no node 6"),
             (("pdo", "map", folder, "5", "tpdo9"), 5, "it has RPDO1"),
             (("concise", folder, "5", scratch / "no/where"), 3, "cannot"),
@@ -168,7 +168,7 @@ def devices_are_held_against_their_project_and_written():
         require(left == ["6081:00"], f"read back: {left}")
         # Another program reads what was written.
         for node, index, value in ((5, "1017", "500"), (5, "1800:01", "427"), (5, "1A00", "2")):
-            read = command(program, "sdo", "read", str(node), index, "--bus", f"socketcand:{bus}").stdout
+            read = command(program, "sdo", "read", str(node), index, "--bus", f"socketcand:{bus}", "--timeout", ANSWER).stdout
             require(value in read, f"{index}: {read}")
         project("set", folder, "Drive", "6081=1200")
         project("write", folder, "Drive", "--yes", bus=bus)
@@ -207,7 +207,7 @@ def another_device_is_left_alone():
     with plant_of("project-other", [(5, DEVICES / "encoder.eds", "")]) as plant:
         said = project("write", folder, "--yes", bus=plant.socketcand, expect=4).stdout
         require("it is another device, which is left alone" in said and "1018:02" in said, said)
-        require("0" in command(program, "sdo", "read", "5", "1017", "--bus", f"socketcand:{plant.socketcand}").stdout.split(), "written")
+        require("0" in command(program, "sdo", "read", "5", "1017", "--bus", f"socketcand:{plant.socketcand}", "--timeout", ANSWER).stdout.split(), "written")
 
 
 @check
@@ -234,7 +234,7 @@ def a_running_network_is_adopted_and_runs_again_from_its_project():
     path = scratch / "adopted.toml"
     path.write_text('[[bus]]\nname = "line1"\nbit_rate = 250_000\nserve = "socketcand:127.0.0.1:0"\nproject = "project-adopt/nodelist.cpj"\n')
     with running(path, has_plc=False) as plant:
-        booted = command(program, "master", "--quiet", "--dcf", folder / "nodelist.cpj", "--bus", f"socketcand:{plant.socketcand}").stdout
+        booted = command(program, "master", "--quiet", folder / "nodelist.cpj", "--bus", f"socketcand:{plant.socketcand}", "--timeout", ANSWER).stdout
         require("3 of 3 slaves booted" in booted, booted)
         plant.wait_operational([2, 9, 20])
         project("diff", folder, bus=plant.socketcand)
@@ -265,8 +265,8 @@ def reading_takes_over_what_was_changed_at_the_device():
     folder = new_project("project-read", (5, "Drive", DEVICES / "drive.eds"))
     with plant_of("project-read", [(5, DEVICES / "drive.eds", "")]) as plant:
         bus = f"socketcand:{plant.socketcand}"
-        command(program, "sdo", "write", "5", "6081", "1234", "--type", "u32", "--bus", bus)
-        command(program, "sdo", "write", "5", "6040", "15", "--type", "u16", "--bus", bus)  # process data
+        command(program, "sdo", "write", "5", "6081", "1234", "--type", "u32", "--bus", bus, "--timeout", ANSWER)
+        command(program, "sdo", "write", "5", "6040", "15", "--type", "u16", "--bus", bus, "--timeout", ANSWER)  # process data
         said = lines("read", folder, bus=plant.socketcand)
         require([(one["object"], one["value"]) for one in said if "object" in one] == [("6081:00", 1234)], said)
         require(host_port(plant.socketcand), "")

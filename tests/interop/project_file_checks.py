@@ -6,7 +6,7 @@ import subprocess
 import tomllib
 import xml.etree.ElementTree as ET
 
-from kit import PATIENCE, ROOT, Skip, check, command, program, require, running, scratch
+from kit import ANSWER, PATIENCE, ROOT, Skip, check, command, program, require, running, scratch
 from project_checks import lines, new_project, project
 
 DEVICES = ROOT / "examples/devices"
@@ -88,7 +88,7 @@ def xdd_files_are_nodes_of_projects():
         require([one["state"] for one in found if "values" in one] == ["same", "same"], found)
         project("set", folder, "Drive", "6081=2001")
         project("write", folder, "--yes", bus=plant.socketcand)
-        command(program, "sdo", "write", "4", "6081", "1234", "--type", "u32", "--bus", f"socketcand:{plant.socketcand}")
+        command(program, "sdo", "write", "4", "6081", "1234", "--type", "u32", "--bus", f"socketcand:{plant.socketcand}", "--timeout", ANSWER)
         project("read", folder, "Drive", bus=plant.socketcand)
     require(values_of_xdc(folder / "drive.xdc")["6081", None] == "1234", values_of_xdc(folder / "drive.xdc"))
 
@@ -107,7 +107,7 @@ def a_network_is_adopted_from_xdd_files():
     with running(plant, has_plc=False) as running_plant:
         # Nobody reads what it says; the network is taken over nevertheless.
         code = unread("project", "adopt", folder, "--eds", devices, "--bit-rate", "250k", "--bus",
-                      f"socketcand:{running_plant.socketcand}")
+                      f"socketcand:{running_plant.socketcand}", "--timeout", ANSWER)
         require(code == 0, code)
         project("check", folder)
         project("diff", folder, bus=running_plant.socketcand)
@@ -168,7 +168,7 @@ def a_replaced_device_is_accepted():
             require([(row.get("object"), row.get("device"), row["state"]) for row in found]
                     == [("1018:04", 0x4711, "different"), (None, None, "different")], found)
             require(before == {path: path.read_bytes() for path in one.iterdir() if path.is_file()}, "written without --yes")
-            code = unread("project", "accept", one, "4", "--yes", "--bus", f"socketcand:{plant.socketcand}")
+            code = unread("project", "accept", one, "4", "--yes", "--bus", f"socketcand:{plant.socketcand}", "--timeout", ANSWER)
             require(code == 0, f"exit code {code}")
             after = {path: path.read_bytes() for path in one.iterdir() if path.is_file()}
             require([path.name for path in after if after[path] != before[path]] == [name], "other files")
@@ -235,8 +235,11 @@ def projects_of_other_tools_are_taken_as_they_are():
         require(len(after) - len(kept) == 1 and len(after) - len(before) in (0, 1), f"{name}: more than a line")
         project("undo", folder)
         require(path.read_bytes() == files[name], f"{name}: undo")
-    project("set", folder, "5", "1017=100", expect=5)
-    require((folder / "dcfs/three.dcf").read_bytes() == files["dcfs/three.dcf"], "UTF-16")
+    project("set", folder, "5", "1017=100")  # UTF-16 stays UTF-16
+    before, after = (content.decode("utf-16").split("\n") for content in (files["dcfs/three.dcf"], (folder / "dcfs/three.dcf").read_bytes()))
+    require(len(after) - len(before) in (0, 1) and len([line for line in after if line not in before]) == 1, "UTF-16: more than a line")
+    project("undo", folder)
+    require((folder / "dcfs/three.dcf").read_bytes() == files["dcfs/three.dcf"], "UTF-16: undo")
 
 
 @check

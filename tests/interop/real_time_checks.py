@@ -7,7 +7,7 @@ import signal
 import socket
 import time
 
-from kit import PATIENCE, check, command, host_port, program, require, running, scratch
+from kit import PATIENCE, RawClient, check, command, host_port, program, require, running, scratch
 
 
 def empty_plant(has_plc=False):
@@ -102,14 +102,16 @@ def a_client_that_left_does_not_keep_a_bus_busy_where_nobody_acknowledges():
 
 @check
 def clients_that_send_and_leave_have_their_frames_sent():
-    with empty_plant() as plant, join(plant):
+    with empty_plant() as plant:
+        listener = RawClient(plant)
         for how in ("close", "reset"):
             client = join(plant)
             client.sendall(b"< open line1 >< send 1 0 >< send 2 0 >< send 3 0 >")
             if how == "close":
                 require(client.recv(100) == b"< ok >", "the bus was not opened")
             client.close()  # what is not read makes it a reset
-            time.sleep(0.5)
+            for identifier in (1, 2, 3):
+                require(listener.frame() == (identifier, b""), how)
         summary, errors = end_of(plant)
         require(summary["buses"][0]["frames"] == 6 and not errors, f"{summary} {errors}")
 
@@ -121,7 +123,7 @@ def the_cpus_clock_shows_local_time():
     try:
         with empty_plant(has_plc=True) as plant:
             host, port = host_port(plant.mc)
-            done = command(program, "plc", "read", "SD210", "--count", "7", "--format", "dec", "--host", host, "--port", port)
+            done = command(program, "plc", "read", "SD210", "--count", "7", "--format", "dec", "--plc", f"{host}:{port}")
             words = [int(line.split()[1]) for line in done.stdout.splitlines()]
     finally:
         os.environ.pop("TZ") if before is None else os.environ.update(TZ=before)
@@ -136,10 +138,10 @@ def idle_plc_clients_give_way_and_it_is_said():
         address = host_port(plant.mc)
         idle = [socket.create_connection(address, timeout=PATIENCE) for _ in range(16)]
         time.sleep(11)
-        done = command(program, "plc", "read", "D0", "--host", address[0], "--port", address[1])
+        done = command(program, "plc", "read", "D0", "--plc", f"{address[0]}:{address[1]}")
         require(done.stdout.startswith("D0"), done.stdout)
         event = plant.wait(lambda e: e["event"] == "error" and "its connection gives way to" in e["message"])
-        require("has asked nothing for" in event["message"], event["message"])
+        require("has sent no request for" in event["message"], event["message"])
         for client in idle:
             client.close()
 

@@ -11,6 +11,7 @@ import sys
 import termios
 import time
 
+from docs_checks import blocks
 from kit import PATIENCE, ROOT, check, first_plant_file, program, require, until
 
 sys.path.append(str(ROOT / "python"))
@@ -122,9 +123,9 @@ class Session:
 
     def resize(self, rows, columns):
         """Lines of the old size may still be on their way: only what comes after the next picture has begun counts."""
-        self.pump(0.3)
         self.screen.resize(max(rows, self.screen.rows), max(columns, self.screen.columns))
         self._set_size(rows, columns)
+        self.pump(0.3)
         self.wait(lambda: self.output.count(b"\x1b[1;1H", self.mark) >= 2, "no picture after a resize", mark=True)
         self.screen.resize(rows, columns)
         self.screen.rest = ""
@@ -132,15 +133,16 @@ class Session:
         self.screen.feed(self.output[start:self.seen].decode(errors="ignore"))
 
     def pump(self, seconds):
-        """Reads what comes within this time, for the screen as far as it belongs to the table."""
+        """Reads what comes within this time, and what the terminal holds at its end, for the screen as far as it belongs to the table."""
         end = time.monotonic() + seconds
-        while (left := end - time.monotonic()) > 0:
-            if select.select([self.master], [], [], left)[0]:
-                try:
-                    self.output += os.read(self.master, 65536)
-                except OSError:  # nobody has the terminal open any more
-                    return
-                self.draw()
+        held = 20  # reads: more than a terminal holds, and no more, as a busy machine writes faster than it reads
+        while held and select.select([self.master], [], [], left := max(0, end - time.monotonic()))[0]:
+            held -= left == 0
+            try:
+                self.output += os.read(self.master, 65536)
+            except OSError:  # nobody has the terminal open any more
+                return
+            self.draw()
 
     def draw(self):
         """Between ENTER and LEAVE everything is the table's."""
@@ -245,6 +247,20 @@ def the_table_fits_every_terminal():
         code, rest = session.wait_end()
         require(code == 0 and rest.endswith("all 4 nodes operational\n"), rest)
         session.require_given_back()
+
+
+@check
+def the_readme_shows_the_live_table():
+    (block,) = blocks("README.md", "text")
+    with on_terminal("run", first_plant_file()) as session:
+        session.wait_shown("4 of 4 operational")
+
+        def shown():  # numbers differ
+            def words(line):
+                return re.sub(r"\d+(\.\d+)? *(us|ms|s)?|-", "#", line).split()
+            screen = [words(line) for line in session.screen.text()]
+            return all(words(line) in screen for line in block)
+        session.wait(shown, "the table is not that of README.md")
 
 
 @check

@@ -25,9 +25,9 @@ expect 0 '2000:00  4660  00001234H' sdo read 5 2000 --type u32 --timeout 5s
 expect 0 'node 5 is operational' nmt start 5 --wait --timeout 5s
 
 printf '[master]\nnode = 1\n[[slave]]\nnode = 5\nvendor = 0x195\n' > /tmp/network.toml
-expect 0 'node 5: booted' master --dcf /tmp/network.toml --timeout 5s
+expect 0 'node 5: booted' master /tmp/network.toml --timeout 5s
 printf '[master]\nnode = 1\n[[slave]]\nnode = 5\nvendor = 0x196\n' > /tmp/network.toml
-expect 1 '1018H:01 reads 00000195H, expected 00000196H' master --dcf /tmp/network.toml --timeout 5s
+expect 1 '1018:01 reads 00000195H, expected 00000196H' master /tmp/network.toml --timeout 5s
 
 node 255
 expect 0 'serial 0000004D  is node 9 now' lss scan --assign 9 --store --timeout 600ms

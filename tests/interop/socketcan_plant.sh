@@ -36,8 +36,8 @@ missed() { ! word_is 602 5; }
 sed "s#\"../devices/#\"$examples/devices/#; s#\"state\"#\"$work/store\"#; s#05DC#1388#g" "$examples/real-bus/module.toml" > module.toml
 [ "$(grep -o 1388 module.toml | wc -l)" = 2 ] || fail "the module's heartbeat consumer times are not where they were"
 sed "s#\"../devices/#\"$examples/devices/#; s#^serve.*##" "$examples/real-bus/devices.toml" > devices.toml
-"$program" run devices.toml --link "socketcan:$theirs" --json > devices.json 2> devices.err &
-"$program" run module.toml --link "socketcan:$ours" --json > module.json 2> module.err &
+"$program" run devices.toml --bus "socketcan:$theirs" --json > devices.json 2> devices.err &
+"$program" run module.toml --bus "socketcan:$ours" --json > module.json 2> module.err &
 module=$!
 wait_for "the slaves come up" both_operational
 candump -L "$ours" > dump.log &

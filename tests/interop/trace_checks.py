@@ -88,7 +88,7 @@ def diff_ends_as_diff_does():
 def an_output_nobody_reads_ends_a_conversion_quietly():
     big = scratch / "big.log"
     big.write_text("(1.000000) can0 123#0102030405060708\n" * 200000)
-    done = subprocess.run(f"{program} trace convert {big} - --to csv | head -1", shell=True, capture_output=True, text=True)
+    done = subprocess.run(f"{program} trace convert {big} - --out-format csv | head -1", shell=True, capture_output=True, text=True)
     require(done.stdout.startswith("time,"), done.stdout[:200])
     require("terminate" not in done.stderr, done.stderr[:500])
 
@@ -99,19 +99,24 @@ def a_replay_keeps_the_times_of_the_trace():
     path.write_text("(10.000000) a 123#01\n(10.300000) a 124#02\n(10.400000) a 1ABCDEF0#03\n")
     with first_plant() as plant:
         client = RawClient(plant)
-        start = time.monotonic()
-        done = command(program, "replay", path, "--bus", f"socketcand:{plant.socketcand}")
-        require(time.monotonic() - start >= 0.4, "the replay was faster than the trace")
-        require("3 frames sent" in done.stdout, done.stdout)
-        heard = []
-        while len(heard) < 3:
-            words = client.element()
-            if words[0] == "frame" and words[1].upper() in ("123", "124", "1ABCDEF0"):
-                heard.append((words[1].upper(), float(words[2])))
-        require([name for name, _ in heard] == ["123", "124", "1ABCDEF0"], str(heard))
-        apart = heard[1][1] - heard[0][1]
-        require(0.25 < apart < 2, f"the second frame came after {apart} s instead of 0.3 s")
-        done = command(program, "replay", path, "--bus", f"socketcand:{plant.socketcand}", "--speed", "max", "--loop", "5", "--id", "123-124")
+        apart = []
+
+        def replayed_in_time():
+            """Whether the second frame came when it must; a machine that stands still meanwhile delays one of them."""
+            start = time.monotonic()
+            done = command(program, "replay", path, "--bus", f"socketcand:{plant.socketcand}")
+            require(time.monotonic() - start >= 0.4, "the replay was faster than the trace")
+            require("3 frames sent" in done.stdout, done.stdout)
+            heard = []
+            while len(heard) < 3:
+                words = client.element()
+                if words[0] == "frame" and words[1].upper() in ("123", "124", "1ABCDEF0"):
+                    heard.append((words[1].upper(), float(words[2])))
+            require([name for name, _ in heard] == ["123", "124", "1ABCDEF0"], str(heard))
+            apart.append(heard[1][1] - heard[0][1])
+            return 0.25 < apart[-1] < 0.5
+        until(replayed_in_time, f"the second frame came after {apart} s instead of 0.3 s")
+        done = command(program, "replay", path, "--bus", f"socketcand:{plant.socketcand}", "--speed", "max", "--loop", "5", "--can-id", "123-124")
         require("10 frames sent" in done.stdout, done.stdout)
 
 
@@ -199,9 +204,9 @@ def a_replay_says_when_a_bus_takes_no_more_frames():
     bus = SlowCannelloni({500: None})
     start = time.monotonic()
     done = command(program, "replay", numbered_log(600000), "--bus", f"cannelloni:tcp:127.0.0.1:{bus.port}", "--speed", "max", expect=1)
-    require(10 < time.monotonic() - start < 60, f"it ended after {time.monotonic() - start:.1f} s")
+    require(time.monotonic() - start > 10, f"it ended after {time.monotonic() - start:.1f} s")
     bus.over.set()
-    require("the bus has taken nothing for 10 s; " in done.stderr and " and the rest of the trace were not sent" in done.stderr, done.stderr)
+    require("the bus has taken nothing for 10 s; not sent: " in done.stderr and " and the rest of the trace" in done.stderr, done.stderr)
     bus = SlowAdapter({500: None})  # this transport knows by itself
     done = command(program, "replay", numbered_log(1000), "--bus", f"slcan:tcp:127.0.0.1:{bus.port}@250000", "--speed", "max", expect=1)
     bus.over.set()
@@ -239,7 +244,7 @@ def a_replay_loses_nothing_to_a_plant_that_stands_still():
 def a_replay_on_a_bus_without_another_node_ends_with_an_error():
     path = scratch / "alone.toml"
     path.write_text('[plant]\nname = "alone"\n[[bus]]\nname = "line1"\nbit_rate = 250_000\nserve = "socketcand:127.0.0.1:0"\n')
-    with running(path, has_plc=False) as plant:  # nobody acknowledges
+    with running(path, has_plc=False) as plant:  # no node acknowledges
         done = command(program, "replay", numbered_log(20000), "--bus", f"socketcand:{plant.socketcand}", "--speed", "max", expect=1)
         require("canopus: " in done.stderr and "frames" in done.stderr, done.stderr)
 
@@ -253,7 +258,7 @@ def a_named_pipe_that_nobody_writes_to_is_waited_for_in_words():
     plant = scratch / "plant.toml"
     plant.write_text('[[bus]]\nname = "line1"\nbit_rate = 250_000\n')
     commands = [("trace", "info", silent), ("trace", "show", silent), ("replay", silent, "--bus", "socketcand:127.0.0.1:1"),
-                ("run", plant, "--link", f"replay:{silent}", "--quiet")]
+                ("run", plant, "--bus", f"replay:{silent}", "--quiet")]
     for words in commands:
         for how in (signal.SIGINT, signal.SIGTERM):
             with subprocess.Popen([program, *map(str, words)], stderr=subprocess.PIPE, text=True) as process:
@@ -261,7 +266,7 @@ def a_named_pipe_that_nobody_writes_to_is_waited_for_in_words():
                 process.send_signal(how)
                 process.wait(timeout=PATIENCE)
             require(said == waits, f"{words}: {said}")
-    with subprocess.Popen([program, "run", plant, "--link", f"replay:{silent}", "--quiet"], stderr=subprocess.PIPE, text=True) as run:
+    with subprocess.Popen([program, "run", plant, "--bus", f"replay:{silent}", "--quiet"], stderr=subprocess.PIPE, text=True) as run:
         require(run.stderr.readline() == waits, "the run does not say that it waits")
         with open(silent, "w") as writer:
             writer.write("(1.000000) can0 123#01\n")

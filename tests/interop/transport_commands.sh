@@ -20,7 +20,7 @@ start() {  # start NAME SCRIPT ARGUMENTS: in the background, once it said its fi
   local name=$1; shift
   "$python" "$here/$1" "${@:2}" > "$work/$name.log" 2> "$work/$name.err" &
   children+=($!)
-  for _ in $(seq 300); do [ -s "$work/$name.log" ] && return; sleep 0.1; done
+  for _ in $(seq 1200); do [ -s "$work/$name.log" ] && return; sleep 0.1; done
   echo "$name does not start:"; cat "$work/$name.err"; exit 1
 }
 fail() { echo "$@"; for file in "$work"/*; do echo "--- $file"; tail -n 50 "$file"; done; exit 1; }
@@ -39,7 +39,7 @@ case $transport in
   cannelloni-tcp) start peer cannelloni_peer.py tcp "${bus[@]}"; address=cannelloni:tcp:127.0.0.1:$(head -1 "$work/peer.log") ;;
 esac
 
-"$probe" "$address" 36 60 > "$work/probe.log" 2>&1 || fail "the probe:"
+"$probe" "$address" 36 300 > "$work/probe.log" 2>&1 || fail "the probe:"
 # What the node sent, as we heard it.
 for length in 0 1 2 3 4 5 6 7 8; do
   data=$(for byte in $(seq 1 $length); do printf '%02x' "$byte"; done)
@@ -52,7 +52,7 @@ done
 for length in 0 1 2 3 4 5 6 7 8; do
   data=$(for byte in $(seq 1 $length); do printf '%02x' $((byte + 239)); done)
   for line in "BD 20$length $length $data" "XD 1ABCDE$length $length $data" "BR 21$length $length " "XR 1ABCDF$length $length "; do
-    for _ in $(seq 50); do grep -qxF "$line" "$work/node.log" && break; sleep 0.1; done
+    for _ in $(seq 600); do grep -qxF "$line" "$work/node.log" && break; sleep 0.1; done
     [ "$(grep -cxF "$line" "$work/node.log")" = 1 ] || fail "python-can does not say once: $line"
   done
 done
@@ -67,10 +67,10 @@ expect() {  # expect EXIT-CODE TEXT COMMAND...
 }
 # A TCP adapter of these takes one connection.
 case $transport in *-tcp) echo "transport ok"; exit ;; esac
-expect 0 '1000:00  983441  000F0191H' sdo read 5 1000 --type u32 --timeout 20s
-expect 1 'abort 06020000H: object does not exist' sdo read 5 3000 --timeout 20s
-expect 0 '' sdo write 5 2000 0x1234 --type u32 --timeout 20s
-expect 0 '2000:00  4660  00001234H' sdo read 5 2000 --type u32 --timeout 20s
-expect 0 'node 5 is operational' nmt start 5 --wait --timeout 20s
+expect 0 '1000:00  983441  000F0191H' sdo read 5 1000 --type u32 --timeout 60s
+expect 1 'abort 06020000H: object does not exist' sdo read 5 3000 --timeout 60s
+expect 0 '' sdo write 5 2000 0x1234 --type u32 --timeout 60s
+expect 0 '2000:00  4660  00001234H' sdo read 5 2000 --type u32 --timeout 60s
+expect 0 'node 5 is operational' nmt start 5 --wait --timeout 60s
 expect 0 '   5  unknown          000F0191' scan --nodes 5 --timeout 5s
 echo "transport ok"

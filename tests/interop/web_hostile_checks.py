@@ -7,7 +7,7 @@ import socket
 import struct
 
 from kit import PATIENCE, check, first_plant_file, command, program, require, running, running_page, scratch, until
-from web_checks import Watcher, ask, page_of, page_with_key
+from web_checks import PageClient, Watcher, ask, page_of, page_with_key
 from web_project_checks import DEVICES, new_project
 
 
@@ -128,29 +128,6 @@ def web_a_thousand_connections_at_once():
         require(code == 0, errors)
 
 
-class Person:
-    def __init__(self, page, key=True):
-        own = page_with_key(page).partition("#key=")[2] if key else None
-        self.watcher = Watcher(page_of(page)[1], key=own)
-        self.number = 0
-
-    def begin(self, **words):
-        self.number += 1
-        self.watcher.say({"do": words, "id": self.number})
-        return self.number
-
-    def end(self, number):
-        rows = []
-        while True:
-            reply = self.watcher.event(lambda e: e["event"] == "reply" and e["id"] == number)
-            rows += reply.get("rows", [])
-            if not reply.get("more"):
-                return reply, rows
-
-    def do(self, **words):
-        return self.end(self.begin(**words))
-
-
 @check
 def web_files_of_a_project_that_are_something_else():
     """A FIFO, a folder, a device, a link to nowhere or in a circle in place of a file while the page runs: a sentence that names it, nothing is
@@ -160,7 +137,7 @@ def web_files_of_a_project_that_are_something_else():
     (dcf,), kept = folder.glob("*.dcf"), scratch / "kept.dcf"
     content = dcf.read_bytes()
     with running_page(folder, "--no-devices") as page:
-        owner = Person(page)
+        owner = PageClient(page)
         for name, make in (("a FIFO", os.mkfifo), ("a folder", os.mkdir), ("a link to nowhere", lambda path: path.symlink_to("nowhere")),
                            ("a link to itself", lambda path: path.symlink_to(path)), ("a device", lambda path: path.symlink_to("/dev/zero")),
                            ("a link to a FIFO", lambda path: (os.mkfifo(scratch / "fifo"), path.symlink_to(scratch / "fifo")))):
@@ -199,7 +176,7 @@ def web_a_browser_that_goes_in_the_middle_of_a_command():
     for name in ("encoder", "drive"):
         command(program, "project", "add", folder, DEVICES / f"{name}.eds", "--bit-rate", "250k")
     with running_page(folder, "--audit", log) as page:
-        gone, next_one = Person(page), Person(page)
+        gone, next_one = PageClient(page), PageClient(page)
         for words in ({"command": "project diff"}, {"command": "project set", "node": "1", "items": ["1017=777"]}, {"command": "scan"}):
             gone.begin(**words)
         require(gone.do(command="hello")[0]["code"] == 0, "it has read what was said before")
@@ -227,7 +204,7 @@ def web_nobody_without_the_key_locks_its_owner_out():
         watchers = [socket.create_connection(("127.0.0.1", port), PATIENCE) for _ in range(64)]
         for one in watchers:
             one.sendall(upgrade)
-        owner = Person(plant)
+        owner = PageClient(plant)
         require(owner.do(command="hello")[0]["role"] == "configure", "the owner has no place")
         before = memory_of(plant.process)
         for _ in range(8):

@@ -7,9 +7,8 @@ import shutil
 import socket
 import subprocess
 
-from kit import (BROWSER_PATIENCE, HERE, PATIENCE, ROOT, Skip, browser, check, command, first_plant_file, program, require, running,
-                 running_page, scratch, tier, until)
-from web_checks import Watcher, page_of, page_with_key
+from kit import PATIENCE, ROOT, Skip, check, command, program, require, running_page, scratch, until
+from web_checks import PageClient, Watcher, page_of, page_with_key
 
 DEVICES = ROOT / "examples/devices"
 
@@ -19,66 +18,6 @@ def new_project(name):
     shutil.rmtree(folder, ignore_errors=True)
     command(program, "project", "new", folder, "--name", "Found <b>here</b>")
     return folder
-
-
-@check
-@tier("browser")
-def web_project_in_chromium():
-    """W2, W3, W4, W7 and W10 with their clicks, three columns, refused values, arming, and who only looks, in a real browser on the
-    bus of a running plant; axe-core finds nothing serious."""
-    chromium = browser()
-    pictures = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / "project"
-    pictures.mkdir(parents=True, exist_ok=True)
-    folder = new_project("web-found")
-    # The drive is another one than that of its file.
-    text = first_plant_file().read_text()
-    drive = text[text.index('name = "drive"'):]
-    plant_file = scratch / "web-found.toml"
-    plant_file.write_text(text.replace(drive, drive.replace('"1017:00" = 500', '"1017:00" = 500, "1018:04" = 4711', 1)))
-    with running(plant_file, operational=[1, 2, 3]) as plant:
-        words = [folder, "--bus", f"socketcand:{plant.socketcand}", "--eds", DEVICES]
-        with running_page(*words) as page:
-            done = command("node", HERE / "web_project.mjs", chromium, page_with_key(page), pictures,
-                           DEVICES / "io-block.eds", timeout=BROWSER_PATIENCE)
-    seen = json.loads(done.stdout)
-    require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [] and seen["markup"] == 0, seen)
-    require("#" not in seen["address"] and seen["role"] == "configure", "the key stays in the address")
-    require(seen["w2"] == {"clicks": 2, "typed": 0} and seen["scanned"] == "4 nodes are on the bus", seen["w2"])
-    require(seen["adopted"] == "3 nodes are taken over" and [n[0] for n in seen["nodes"]] == ["2", "3", "4"], seen["nodes"])
-    require(seen["w3"]["clicks"] == 0 and seen["w3"]["typed"] == 0 and seen["added"].endswith("is node 1"), seen["added"])
-    require(len(seen["nodes_later"]) == 4 and seen["nodes_later"][0].startswith("1"), seen["nodes_later"])
-    require(seen["w4"]["clicks"] <= 1 and seen["w4"]["typed"] == 0, seen["w4"])
-    require(any("TPDO1" in row and "183H" in row for row in seen["plan"]), seen["plan"])
-    require(any("RPDO4" in row and "183H" in row and "Target position ←" in row for row in seen["plan"]), seen["plan"])
-    require("Load" in seen["plan_load"] and seen["matrix"] == ["Position value TPDO1 183H"], seen["plan_load"])
-    require(seen["command"].startswith("canopus project pdo link "), seen["command"])
-    require("every 250 ms" in seen["changed_pdo"] and "250 kbit/s (sample point 87.5 % by CiA 301, at most 250 m of cable)" in seen["facts"], seen["facts"])
-    require("does not fit UNSIGNED16; expected 0 to 65535" in seen["refused"], seen["refused"])
-    require(len(seen["unwritten"]) == 1 and seen["unwritten"][0].startswith("1017:00"), seen["unwritten"])
-    require(seen["compared"].startswith("1 Canopus I/O block is another device; ") and seen["compared"].endswith("values differ"), seen["compared"])
-    require(seen["devices"] == ["another device", "as the project", "as the project", "4 differ"], seen["devices"])
-    require(seen["cut_off"] == 0, f"the right-hand {seen['cut_off']} pixels of the PDOs are not in sight")
-    require(any(re.match("1017:00.*500differs", row) for row in seen["differs"]), seen["differs"])
-    require("is a live bus; arm writing first" in seen["not_armed"] and "armed, 10 min" in seen["armed"], seen["not_armed"])
-    require(seen["w7"] == {"clicks": 2, "typed": 0}, "Transfer, look, Write")
-    require(any("1017:00" in row and "250" in row and "500" in row for row in seen["will_write"]), seen["will_write"])
-    # Node 1 is the module, not the device that was added: of it nothing is written, and that is said.
-    left = [row for row in seen["written"] if row.startswith("1 ")]
-    written = [row for row in seen["written"] if row not in left]
-    require(written and all(row.endswith("written") for row in written), seen["written"])
-    require(len(left) == 2 and all(row.endswith("it is another device, which is left alone") for row in left), left)
-    require(any(row.startswith("1017:00") and row.endswith("same") for row in seen["same"]), seen["same"])
-    require(seen["w6"] == {"clicks": 2, "typed": 0}, seen["w6"])
-    require(len(seen["will_accept"]) == 1 and re.search("1018:04.*project 00000001H.*device 00001267H", seen["will_accept"][0]),
-            seen["will_accept"])
-    require(seen["w10"] == {"clicks": 1, "typed": 0}, seen["w10"])
-    report = (pictures / "report.html").read_text()
-    require("<script" not in report and "Found &lt;b&gt;here&lt;/b&gt;" in report, report[:500])
-    require(seen["undone"].startswith("taken back: "), seen["undone"])
-    require(seen["look_role"] == "look" and "Transfer…" in seen["look_disabled"] and seen["look_inputs"] == 0, seen)
-    # The command line says the same as the page.
-    shown = [json.loads(line) for line in command(program, "project", "show", folder, "--json").stdout.splitlines()]
-    require([row["node"] for row in shown if "node" in row] == [1, 2, 3, 4], shown)
 
 
 @check
@@ -175,13 +114,9 @@ def web_project_says_what_is_wrong():
 
 
 @check
-@tier("browser")
-def web_start_in_chromium():
-    """W1: without a plant and a project, one click runs the built-in plant, and its frames are there within a second or so; plants and
-    projects of the folder and a new project are offered; nobody without the key starts anything."""
-    chromium = browser()
-    pictures = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / "start"
-    pictures.mkdir(parents=True, exist_ok=True)
+def web_start_offers_and_opens():
+    """W1 and what else `canopus web` begins with: the built-in plant runs; plants, projects and settings of the folder, new ones, copies, what was used
+    last; one that is opened twice is one run; End, and Exit; nobody without the key starts anything."""
     folder = scratch / "web start"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
@@ -190,47 +125,23 @@ def web_start_in_chromium():
     (folder / "other.toml").write_text('name = "none of ours"\n')
     command(program, "configure", "new", folder / "module.xml")
     with running_page(cwd=folder) as page:
-        seen = json.loads(command("node", HERE / "web_start.mjs", chromium, page_with_key(page), pictures, timeout=BROWSER_PATIENCE).stdout)
-        code = page.process.wait(timeout=20)
-    require(code == 0 and seen["after_no"] != "NOT CONNECTED", (code, seen["after_no"]))  # Exit, and only when it is wanted
-    require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
-    require(seen["sections"] == ["start-section"], seen["sections"])
-    require(seen["plants"] == ["plant.toml"] and seen["projects"] == ["line <1>/nodelist.cpj"], seen)
-    require(seen["w1"] == {"clicks": 1, "typed": 0} and seen["nodes"] == 4, seen)
-    print(f"    the first frame is shown {min(seen['milliseconds'])} ms after the click")
-    require(len(seen["running"]) >= 1 and set(seen["running"]) == {"the built-in plant End"}, seen["running"])
-    require(seen["twice"][0] == seen["twice"][1], "two runs of one plant would be two masters on its real bus")
-    require(seen["look_disabled"] and seen["fresh"].endswith("/fresh"), seen)
-    require((folder / "fresh/nodelist.cpj").is_file(), "no project was made")
-    require(seen["settings"] == ["module.xml"] and seen["fresh_settings"].endswith("/press.xml") and "RJ71CN91" in seen["fresh_settings"], seen["settings"])
-    require('model="RJ71CN91"' in (folder / "press.xml").read_text(), "no settings were made")
-    version = command(program, "--version").stdout.split()[1]
-    require(seen["about"] == [f"Version{version}", "LanguageEnglish"], seen["about"])
-    require(seen["look_exit"] and not seen["look_recent"], "who only looks ends nothing, and is not told what was used last")
-    require(any(one.endswith("/press.xml") for one in seen["recent"]), seen["recent"])
-    require({"Start", "Settings of modules", "Recent Projects", "Save as", "Exit", "Close"} <= set(seen["headings"]), seen["headings"])
-    require(seen["save_as_refused"].startswith("expected a name"), seen["save_as_refused"])
-    require((folder / "second.xml").read_text() == (folder / "press.xml").read_text(), "the copy")
-    require(seen["where"] == "LIVE PLC 127.0.0.1:5007" and seen["sections_of_settings"] == ["settings-section"], (seen["where"], seen["sections_of_settings"]))
-
-
-@check
-@tier("browser")
-def web_faults_in_chromium():
-    """W9: right click on a frame, Lose it, Run; the frame is lost, and what it hit is counted; the same by keys; a fault of the file is off by a click."""
-    chromium = browser()
-    pictures = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / "faults"
-    pictures.mkdir(parents=True, exist_ok=True)
-    with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
-        seen = json.loads(command("node", HERE / "web_faults.mjs", chromium, page_with_key(plant), pictures, timeout=BROWSER_PATIENCE).stdout)
-    require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
-    require(seen["w9"] == {"clicks": 3, "typed": 0}, seen["w9"])
-    require('kind = "drop"' in seen["text"] and "identifier = 0x183" in seen["text"] and "count = 1" in seen["text"], seen["text"])
-    require(seen["hit"] == "1 frames hit" and seen["said"].startswith("1 at work since "), seen)
-    require("expected one of drop, corrupt" in seen["wrong"], seen["wrong"])
-    require(seen["stuck"] == "now" and "bus-off" in seen["controllers"], seen)
-    require("identifier = 0x183" in seen["text_by_keys"] and "count = 1" in seen["text_by_keys"], seen["text_by_keys"])
-    require(seen["look_disabled"] and not seen["look_menu"], "who only looks")
+        client, looker = PageClient(page), PageClient(page, key=False)
+        row = lambda **words: client.do(**words)[1][0]
+        found = row(command="plants")
+        require(len(found["plants"]) == 1 and found["projects"] == ["line <1>/nodelist.cpj"] and found["settings"] == ["module.xml"], found)
+        require(re.match("http://127.0.0.1:", row(command="open")["url"]), "the built-in plant")
+        (running_one,) = row(command="plants")["running"]
+        require(row(command="end", number=running_one["number"]) == {"ended": ""}, "end")
+        require(row(command="open", path="plant.toml") == row(command="open", path="plant.toml"), "two runs of one plant would be two masters on its real bus")
+        require("url" in row(command="new project", name="fresh") and (folder / "fresh/nodelist.cpj").is_file(), "no project was made")
+        require("url" in row(command="new settings", name="press", model="RJ71CN91") and 'model="RJ71CN91"' in (folder / "press.xml").read_text(), "no settings")
+        require(any(one.endswith("/press.xml") for one in row(command="recent projects")["recent"]), "recent")
+        require(client.do(command="save as", path="press.xml", name="there/not")[0]["message"].startswith("expected a name"), "save as")
+        require("url" in row(command="save as", path="press.xml", name="second"), "save as")
+        require((folder / "second.xml").read_text() == (folder / "press.xml").read_text(), "the copy")
+        for words in ({"command": "open"}, {"command": "exit"}, {"command": "recent projects"}, {"command": "new project", "name": "x"}):
+            require(looker.do(**words)[0]["code"] == 7, words)
+        require(row(command="exit") == {"exit": True} and page.process.wait(timeout=PATIENCE) == 0, "exit")
 
 
 @check

@@ -1,14 +1,12 @@
-"""Checks of a module's settings on the page, in a real Chromium: the table of the RJ71CN91's configuration tool row by row, and the way to the module."""
+"""Checks of a module's settings by the page's commands: the table of the RJ71CN91's configuration tool row by row, and the way to the module."""
 import csv
 import json
-import os
-import pathlib
 import re
 
 from configure_checks import state, tool
-from configure_rj71cn91_checks import module_of, new, number, rack
-from kit import HERE, ROOT, Skip, browser, check, command, program, require, running, running_page, scratch, tier
-from web_checks import Watcher, page_of, page_with_key
+from configure_rj71cn91_checks import module_of, new, rack
+from kit import ROOT, Skip, check, command, program, require, running, running_page, scratch
+from web_checks import PageClient, Watcher, page_of, page_with_key
 
 TOOL = ROOT.parent / "shared/spec/rj71cn91/config-tool.csv"
 
@@ -21,13 +19,6 @@ WINDOWS = {
     "Setup wizard: communication path": ("setup", "form"), "Download Configuration": ("transfer", "form"), "Network scan": ("scan", "form"), "SDO send / receive": ("sdo", "form"),
     "Module status": ("status", "form"), "NMT master reset": ("reset", "form"), "Export / Import": ("export", "form"),
 }
-
-# Items without a name of their own, by what shows them; None: a name that is on the page for something else.
-CALLED = {
-    ("NMT slave assignment", "List"): "NMT slave assignment", ("Heartbeat", "List"): "Heartbeat, consumer", ("TPDO details", "Mapping: limit"): "Mapping", ("RPDO details", "Mapping: limit"): "Mapping",
-    ("Menu: Project", "New"): "New settings", ("Menu: Project", "Open"): "Settings of modules", ("SDO send / receive", "Explanation"): "Description window", ("Module status", "Status view"): "Module status",
-}
-
 
 def table():
     if not TOOL.exists():
@@ -92,112 +83,37 @@ def field_tests(rows):
 
 
 @check
-@tier("browser")
-def web_settings_in_chromium():
-    """All fields of the RJ71CN91's tool on the page: values out of range are refused with the range, those at its ends are taken; mapping, transfer, SDO, scan, status, backups."""
-    rows = table()
-    chromium = browser()
-    pictures = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / "settings"
-    pictures.mkdir(parents=True, exist_ok=True)
-    path, backup = new("web-settings"), new("web-backup", ("basic", "Node ID=77"))
-    tests = field_tests(rows)
-    fields = scratch / "web-settings.json"
-    fields.write_text(json.dumps(tests))
-    with running(rack("web-settings"), words=["--web", "--web-settings", str(path)]) as plant:
-        module = module_of(plant)
-        seen = json.loads(command("node", HERE / "web_settings.mjs", chromium, page_with_key(plant), pictures, fields, backup, timeout=400).stdout)
-        stored = [module.g(n) for n in (24, 27, 71)], number(module, 0x1F80, 0)
-    require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], (seen["problems"], seen["axe"], seen["overflow"]))
-
-    # Each name that the table prints, in the window that it is for; which are not on the page, the manual's page says.
-    # Of `canopus web` alone; web_start_in_chromium sees them there.
-    seen["names"]["start"] = ["New settings", "Settings of modules", "Start", "Save as", "Recent Projects", "Exit", "Close"]
-    shown_on = {}
-    for row in rows:
-        page, _ = WINDOWS.get(row["window"], ("", ""))
-        names = set(seen["names"].get(page, [])) if page else {name for names in seen["names"].values() for name in names}
-        if row["item"] == "Transmission type (RPDO)":
-            names = set(seen["names"]["rpdo"])
-        wanted = CALLED.get((row["window"], row["item"]), printed(row["item"]))
-        shown_on[row["window"], row["item"]] = wanted is not None and any(name.lower() == wanted.lower() for name in names)
-    told = {}
-    window = ""
-    for line in (ROOT / "docs/configure-rj71cn91.md").read_text().splitlines():
-        if line.startswith("## "):
-            window = line[3:]
-        cells = [cell.strip() for cell in line.strip("|").split(" | ")]
-        if window and len(cells) == 5 and cells[0] not in ("item", "---"):
-            told[window, cells[0].replace("\\|", "|")] = cells[4] != ""
-    print(f"    {sum(shown_on.values())} of the {len(rows)} items are on the page, the others in the command line")
-    require(len(rows) == 188 and told.keys() == shown_on.keys(), sorted(set(told) ^ set(shown_on)))
-    require(told == shown_on, [(key, "is" if shown else "is not", "on the page") for key, shown in shown_on.items() if told[key] != shown])
-
-    # Fields: every test came to its end, and its sentences are those of the description.
+def web_settings_take_what_the_table_allows():
+    """All fields of the RJ71CN91's tool by the page's commands: values out of range are refused with the range, those at its ends are taken."""
+    tests = field_tests(table())
+    path = new("web-settings")
     described = {}
-    for line in command(program, "configure", "describe", "--model", "RJ71CN91", "--json").stdout.splitlines():
+    for line in command(program, "configure", "describe", "--module", "RJ71CN91", "--json").stdout.splitlines():
         row = json.loads(line)
         if "field" in row:
             described[row["window"], row["field"]] = row
-    require([(one["page"], one["name"]) for one in seen["fields"]] == [(one["page"], one["name"]) for one in tests], "the fields that were tried")
     count = 0
-    for one, test in zip(seen["fields"], tests):
-        word = {"consumer": "producer"}.get(one["page"], one["page"]) if one["name"] == "Producer heartbeat time" else \
-            "node" if one["name"] == "Download target" else one["page"]
-        expected = described.get((word, one["name"]), {}).get("range", "")
-        if one["name"] == "CAN-ID (11-bit)":
-            expected = "0x000 to 0x57F"
-        for refused in one["refused"]:
-            count += 1
-            steps = refused["value"] == "0x8"
-            require(refused["mood"] == "error" and refused["invalid"] == "true" and refused["kept"] == refused["value"] and one["name"] in refused["said"], refused)
-            require(("expected steps of 0x10" if steps else f"expected {expected}") in refused["said"], (one["name"], refused, expected))
-        for taken in one["taken"]:
-            count += 1
-            same = taken["shown"] == taken["value"] or (re.match("0x|[0-9]", taken["value"]) and int(taken["shown"], 0) == int(taken["value"], 0))
-            require(same and taken["invalid"] != "true", (one["name"], taken))
-        if one["name"] != "Node name":
-            require(one["name"] in one["description"] and expected in one["description"], (one["name"], one["description"]))
+    with running(rack("web-settings"), words=["--web", "--web-settings", str(path)]) as plant:
+        module_of(plant)
+        client = PageClient(plant)
+        for test in tests:
+            kind, name = test["page"], test["name"]
+            word = "producer" if name == "Producer heartbeat time" else "node" if name in ("Download target", "Node name") or (kind, test["scope"]) == ("basic", "row") else kind
+            window = {"node": "node/7", "tpdo": "tpdo/5", "rpdo": "rpdo/5", "slave": "slave/7", "consumer": "consumer/7"}.get(word, word)
+            expected = "0x000 to 0x57F" if name == "CAN-ID (11-bit)" else described.get((word, name), {}).get("range", "")
+            for value in test["refused"]:
+                reply, _ = client.do(command="configure set", window=window, items=[f"{name}={value}"])
+                wanted = "steps of 0x10" if value == "0x8" else expected
+                require(reply["code"] == 2 and name in reply["message"] and f"expected {wanted}" in reply["message"], (test, value, reply))
+            for value in test["taken"]:
+                reply, _ = client.do(command="configure set", window=window, items=[f"{name}={value}"])
+                require(reply["code"] == 0, (test, value, reply))
+            count += len(test["refused"]) + len(test["taken"])
+        before = path.read_bytes()
+        require(client.do(command="configure set", window="basic", items=["Node ID=5"])[0]["code"] == 0 and path.read_bytes() != before, "Node ID")
+        require(client.do(command="configure undo")[0]["code"] == 0 and path.read_bytes() == before, "undo")
+        require(PageClient(plant, key=False).do(command="configure undo")[0]["code"] == 7, "who only looks")
     print(f"    {len(tests)} fields, {count} values")
-
-    numbers = {"basic": "127", "tpdo": "256", "rpdo": "256", "slave": "127", "consumer": "127"}
-    for key, highest in numbers.items():
-        require(f"/{highest}" in seen["new_rows"][key] and "expected" in seen["new_rows"][key], seen["new_rows"])
-    require(len(seen["names_to_map"]) == 8 and len(seen["names_to_receive"]) == 14, (seen["names_to_map"], seen["names_to_receive"]))
-    require(seen["first_mapped"] == ["Un\\G13000", "Unsigned16", "0xA100", "0x01"], seen["first_mapped"])
-    require(seen["second_mapped"] == ["Buffer Memory Area Integer32", "Un\\G13002-Un\\G13003"] and seen["bits"] == "48 of 64 bits are mapped", seen["second_mapped"])
-    require("80 bits: expected at most 64" in seen["too_many_bits"], seen["too_many_bits"])
-    require(seen["mapping_refused"][0] == "Index = 10000: expected 0x0000 to 0xFFFF" and seen["mapping_refused"][1].startswith("Index = G: ")
-            and "expected one from Un\\G13000-Un\\G13001 to Un\\G14022-Un\\G14023" in seen["mapping_refused"][2], seen["mapping_refused"])
-    require(seen["not_mappable"].startswith("0xA1C0:0xFF is none of"), seen["not_mappable"])
-
-    # The module has what the page says.
-    require(seen["undone"][0][:2] == ["taken back: set basic Node ID=102", "101"] and seen["undone"][1][0] == "taken back: set basic Node ID=101" and seen["undo_restored"] and not seen["look_undo"], seen["undone"])
-    require(seen["write"] == {"clicks": 1, "typed": 0} and any("SDO timeout" in line for line in seen["plan"]), seen["plan"])
-    require("is in RUN" in seen["in_run"], seen["in_run"])
-    require(seen["plan_of_all"] > len(seen["plan"]) and "Transmission type: the module has FEH" in seen["marked"], seen["marked"])
-    require(seen["steps"] and all(one.endswith("done") for one in seen["steps"]) and "read back: the same" in seen["written"], (seen["written"], seen["steps"]))
-    require(seen["compared"] == "the module has it all", seen["compared"])
-    require(stored == ([250, 1, 50], 1), stored)
-    require(seen["sdo_read"].startswith("SDO_READ_SUCCESS|hexadecimal0x00000401|decimal1025|"), seen["sdo_read"])
-    require("06020000H" in seen["sdo_no_object"], seen["sdo_no_object"])
-    for refused, what in zip(seen["sdo_refused"], ("Node ID = 128: expected 1 to 127", "Index = 0x10000: expected 0x0000 to 0xFFFF", "Sub-index = 0x100: expected 0x00 to 0xFF")):
-        require(refused.startswith(what), refused)
-    require(seen["sdo_write"] == "SDO_WRITE_SUCCESS" and "decimal1500" in seen["sdo_after"], (seen["sdo_write"], seen["sdo_after"]))
-    require(len(seen["scanned"]) >= 1 and any(one.startswith("3Canopus") for one in seen["scanned"]), seen["scanned"])
-    require(re.match(r"negotiation: 500 ms \+ 1 x 1500 ms \+ \d+ x 10 ms = [\d.]+ s after a reset, .*; it takes no part", seen["negotiation"]) and "1270 ms is not more than 127 x 10 ms = 1270 ms" in seen["overlap"], (seen["negotiation"], seen["overlap"]))
-    require("Function mode405" in seen["status"] and any(one.startswith("Error status") for one in seen["status"]), seen["status"])
-    require("has started again" in seen["reset"] and "ProtocolTCP" in seen["setup"] and "R04" in seen["test"], (seen["setup"], seen["test"]))
-    require({"CPU typeR04", "CPU seriesR", "Connect CPU seriesR", "Multiple CPUNone"} <= set(seen["setup"]), seen["setup"])
-    require(seen["node_file"][-2:] == ["EDS file version1", "EDS file revision1"], seen["node_file"])
-    require("1025" in seen["identity"] and "983441" in seen["identity"], seen["identity"])
-    require(any("Canopus I/O block" in row for row in seen["hardware"]) and seen["read"] == "the file has what the module has", (seen["hardware"], seen["read"]))
-    require(seen["asked"] == ["The object dictionaries of all listed nodes are written into their memory.", "All listed nodes lose their settings; defaults count after a reset of the nodes."], seen["asked"])
-    require(seen["import_refused"].startswith("wrong.xml:1: ") and seen["imported"] == "77", (seen["import_refused"], seen["imported"]))
-    exported = pictures / "exported.xml"
-    tool(None, "check", exported, expect=0)
-    require(seen["description_hidden"], "the description window stays")
-    require(len(seen["lists"]) == 15 and all(count >= 1 and problems == [] for count, problems in seen["lists"].values()), seen["lists"])
-    require(not [one for one in seen["look_enabled"] if not re.match(r"\d+$|Close|Node ID|PDO|First|Last", one)], seen["look_enabled"])
 
 
 @check
@@ -207,7 +123,7 @@ def web_settings_of_a_live_plc_are_armed():
     with running(rack("web-live")) as plant:
         module_of(plant)
         host, port = plant.mc.rsplit(":", 1)
-        tool(None, "setup", "set", "live one", "--host", host, "--port", port, "--timeout", "2s")
+        tool(None, "setup", "set", "live one", "--plc", f"{host}:{port}", "--timeout", "2s")
         with running_page(path, "--setup", "live one", "--timeout", "4s") as page:
             key = page_with_key(page).partition("#key=")[2]
             _, web_port = page_of(page)
@@ -226,7 +142,7 @@ def web_settings_of_a_live_plc_are_armed():
 
             hello = done(owner, command="hello")[0]
             require(hello["buses"] == [] and [one["file"] for one in hello["settings"]] == [str(path)] and hello["settings"][0]["live"], hello)
-            require(hello["settings"][0]["setup"] == "live one" and hello["settings"][0]["plc"] == [f"--host={host}", "--timeout=4s", f"--port={port}"], hello)
+            require(hello["settings"][0]["setup"] == "live one" and hello["settings"][0]["plc"] == [f"--plc={host}:{port}", "--timeout=4s"], hello)
             require(done(owner, command="configure sdo-read", node="3", object="1018:02")[0]["code"] == 0, "reading needs no arming")
             for words in ({"command": "configure sdo-write", "node": "3", "object": "1017", "data": "500"}, {"command": "configure write", "yes": True},
                           {"command": "configure reset"}, {"command": "configure nodes save"}, {"command": "configure nodes restore"}, {"command": "configure status clear"}):

@@ -41,10 +41,11 @@ await page.waitForFunction(() => (document.getElementById("said")?.textContent ?
 expects_refusal = false;
 seen.said = await page.textContent("#said");
 await log_in(password);
-await page.waitForFunction(() => document.getElementById("role")?.textContent.includes(","));
-seen.role = await page.textContent("#role");
-seen.plant = await page.textContent("#plant");
-seen.log_out = await page.isVisible("#log-out");
+await page.waitForFunction(() => document.querySelector(".role")?.textContent.includes(","));
+seen.role = await page.textContent(".role");
+await page.waitForSelector(".bar .plant");
+seen.plant = await page.textContent(".bar .plant");
+seen.log_out = await page.isVisible("[aria-label='Log out']");
 seen.cookies = await context.cookies();
 seen.document_cookie = await page.evaluate(() => document.cookie);
 await page.screenshot({ path: `${folder}/logged-in-light-1280.png` });
@@ -97,7 +98,7 @@ await Promise.all([linked.waitForNavigation(), linked.evaluate((address) => { lo
 seen.from_other_site = linked.url();
 await linked.close();
 
-await page.click("#log-out");
+await page.click("[aria-label='Log out']");
 await page.waitForURL("**/login");
 seen.after_log_out = page.url();
 seen.cookies_after = await context.cookies();

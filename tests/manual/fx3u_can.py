@@ -1069,7 +1069,7 @@ def fx3u_busy_command_interface():
 
 @play(FX3U, "10.9.1 2", "9.7")
 def fx3u_transmission_queue_is_full():
-    """10.9.1, 2: the access to the transmission queue was rejected: nobody acknowledges, so that nothing leaves it."""
+    """10.9.1, 2: the access to the transmission queue was rejected: no node acknowledges, so that nothing leaves it."""
     block = rack(buffer="G21 = 11, G26 = 0", peer=False).ready()
     block.b[25] = 0x0010
     block.rig.until(lambda: bit(block.b[25], 0), "online", 2)
@@ -1382,7 +1382,7 @@ def fx3u_node_guarding_notes():
     equal(block.command(0x8400, 5, 1, 100, 3, END)[1:5], [5, 1, 100, 3], "no 100C and 100D in the remote node")
 
 
-@play(FX3U, "10.4", fails="8400H during the master's own start-up (500 ms): 8401H, but the slave is not guarded")
+@play(FX3U, "10.4")
 def fx3u_guards_a_slave_that_is_assigned_at_once():
     """10.4: slaves have been assigned (8401) as soon as the master takes commands; 5.8.7: it sends guarding requests."""
     block = master()

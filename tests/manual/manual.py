@@ -25,7 +25,7 @@ import fx3u_can_modes  # noqa: F401
 import me3can1_q  # noqa: F401
 import rj71cn91  # noqa: F401
 
-LIMIT = 120  # s for one play
+LIMIT = 900  # s for one play
 
 
 def the_list_names_every_play():

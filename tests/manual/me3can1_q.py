@@ -282,10 +282,10 @@ def me3_communication_status_of_an_nmt_slave():
 
 @play(ME3, "3.5.8", "8.1.1")
 def me3_error_counters_and_error_passive():
-    """3.5.8: Un\\G35; 3.5.7: bit 14 from 128 on, reset by itself; 8.1.1: a module that nobody acknowledges."""
+    """3.5.8: Un\\G35; 3.5.7: bit 14 from 128 on, reset by itself; 8.1.1: a module that no node acknowledges."""
     module = rack(node=1, peer=False).ready()
     module.run(1)
-    equal(module.g[35], 128, "nobody acknowledges the boot-up message")
+    equal(module.g[35], 128, "no node acknowledges the boot-up message")
     equal(bit(module.g[29], 14), 1, "error passive state")
 
 
@@ -1039,7 +1039,7 @@ def me3_expected_configuration_date():
         two.objects[0x1020, 1], two.objects[0x1020, 2] = date.to_bytes(4, "little"), (45000000).to_bytes(4, "little")
         two.power_on()
         module.bus.expect("000 01 02", within=4)
-        equal((0x1017, 0, 500) in two.written, downloads, f"1020H:01 = {date}")
+        equal((0x1017, 0, 500) in two.written, downloads, f"1020:01 = {date}")
         module.rig.close()
 
 

@@ -151,7 +151,7 @@ class Bus:
 
     def __init__(self, rig, name):
         self._rig = rig
-        self._socket = socket.create_connection(rig.plant.socketcand(name), 20)
+        self._socket = socket.create_connection(rig.plant.socketcand(name), 300)
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._input = ""
         self._frames = []

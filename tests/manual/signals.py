@@ -107,7 +107,7 @@ class Module:
         return number_of(result[5:67], result[4])
 
     def store_objects(self):
-        """1010H:01 = "save"."""
+        """1010:01 = "save"."""
         self.sdo_write(OWN, 0x1010, 1, 0x65766173, 4)
 
 

@@ -209,7 +209,7 @@ ModuleScenario& ModuleScenario::rx_remote(std::uint32_t identifier, std::uint8_t
   return rx(can::remote_frame(identifier, dlc));
 }
 
-void ModuleScenario::take(const can::Frame& expected, const Where& where) {
+void ModuleScenario::expect_frame(const can::Frame& expected, const Where& where) {
   if (bus_->sent.empty()) return failed(where, "expected the frame " + text(expected) + ", nothing was sent");
   const can::Frame frame = bus_->sent.front();
   bus_->sent.pop_front();
@@ -217,12 +217,12 @@ void ModuleScenario::take(const can::Frame& expected, const Where& where) {
 }
 
 ModuleScenario& ModuleScenario::tx(std::uint32_t identifier, const Bytes& bytes, Where where) {
-  take(can::data_frame(identifier, bytes), where);
+  expect_frame(can::data_frame(identifier, bytes), where);
   return *this;
 }
 
 ModuleScenario& ModuleScenario::tx(const can::Frame& frame, Where where) {
-  take(frame, where);
+  expect_frame(frame, where);
   return *this;
 }
 
@@ -242,7 +242,7 @@ ModuleScenario& ModuleScenario::tx_remote(std::uint32_t identifier, Where where)
 ModuleScenario& ModuleScenario::wait_tx(std::uint32_t identifier, const Bytes& bytes, can::Duration at_most,
                                         Where where) {
   run_until([&] { return !bus_->sent.empty(); }, at_most);
-  take(can::data_frame(identifier, bytes), where);
+  expect_frame(can::data_frame(identifier, bytes), where);
   return *this;
 }
 

@@ -145,7 +145,7 @@ class ModuleScenario {
   void step_to(can::Time end);
   template <typename Condition>
   bool run_until(Condition condition, can::Duration at_most);
-  void take(const can::Frame& expected, const Where& where);
+  void expect_frame(const can::Frame& expected, const Where& where);
 
   unsigned steps_ = 0;
 };

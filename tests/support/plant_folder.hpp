@@ -54,6 +54,7 @@ class PlantFolder : public testing::Test {
   ~PlantFolder() override { std::filesystem::remove_all(folder_); }
 
   void write(const std::string& name, std::string_view text) const {
+    std::filesystem::create_directories((folder_ / name).parent_path());
     std::ofstream(folder_ / name, std::ios::binary) << text;
   }
   /// What `canopus check` prints of a plant file with this text: mistakes and warnings, a line each, without the

@@ -136,7 +136,7 @@ TEST_F(FcopmBus, ARequestBeforeTheStartWaitsForNothing_OneInTheMiddleOfABootTake
   slaves[3].objects[{0x3000, 0}] = {0x11, 0x22};
   power_on();
   while (slaves[3].written.empty()) run(100us);
-  ask({0x0101, 4, 0x0103, 0x3000, 0}, 1s);
+  request({0x0101, 4, 0x0103, 0x3000, 0}, 1s);
   EXPECT_EQ(response(6), (Words{0x0101, 6, 0x4B03, 0x3000, 0, 0x2211}));
   EXPECT_EQ(slaves[3].written.size(), 20U);
 }

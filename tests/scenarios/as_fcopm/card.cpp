@@ -65,11 +65,11 @@ void FcopmCard::settle() {
     bus.sent.pop_front();
     frames.push_back({now, frame});
     card.transmitted(frame, now);
-    take(frame);
+    receive(frame);
   }
 }
 
-void FcopmCard::take(const can::Frame& frame) {
+void FcopmCard::receive(const can::Frame& frame) {
   for (auto& [node_id, slave] : slaves) {
     if (!slave.is_there) continue;
     if (frame.identifier == 0x600U + node_id && slave.answers) answer(node_id, slave, frame);
@@ -125,7 +125,7 @@ void FcopmCard::answer(std::uint8_t node_id, FcopmSlave& slave, const can::Frame
   card.receive(can::data_frame(0x580U + node_id, reply), now);
 }
 
-void FcopmCard::ask(const Words& words, can::Duration wait) {
+void FcopmCard::request(const Words& words, can::Duration wait) {
   for (std::size_t i = words.size(); i-- > 0;) set_d(25000U + static_cast<std::uint32_t>(i), words[i]);
   run(wait);
 }

@@ -5,7 +5,7 @@
 //   FcopmCard card;
 //   card.list(3).tx_pdos = {...};        // a slave of the node list, and one that is there
 //   card.start();                        // supply on, everything booted
-//   card.ask({0x0101, 4, 0x0103, ...});  // words of a request, D25000 last
+//   card.request({0x0101, 4, 0x0103, ...});  // words of a request, D25000 last
 //   card.receive(0x183, {1, 2});         // somebody sends
 //   card.sent(0x203);                    // data of all such frames since card.forget()
 
@@ -74,7 +74,7 @@ class FcopmCard {
     card.write_register(module::RegisterKind::data, number, value, now);
   }
   /// All words of a request, the first one last; then `wait`.
-  void ask(const Words& words, can::Duration wait = 2ms);
+  void request(const Words& words, can::Duration wait = 2ms);
   /// D24000 to D24000 + count - 1.
   [[nodiscard]] Words response(std::size_t count);
   /// Code and flag of a node.
@@ -97,7 +97,7 @@ class FcopmCard {
 
  private:
   void settle();
-  void take(const can::Frame& frame);
+  void receive(const can::Frame& frame);
   void answer(std::uint8_t node_id, FcopmSlave& slave, const can::Frame& frame);
   void beat(std::uint8_t node_id, FcopmSlave& slave);
 };

@@ -77,7 +77,7 @@ TEST_F(FcopmOwnState, D04_ADownloadRuns) {
   run(1s);
   EXPECT_EQ(sent(0x080).size(), 20U) << "still every 50 ms";
   EXPECT_EQ(sent(0x707).size(), 0U);
-  ask({0x0101, 4, 0x0303, 0x82, 3});
+  request({0x0101, 4, 0x0303, 0x82, 3});
   run(2s);
   EXPECT_FALSE(slaves[3].was_written(0x2100, 0, {1}));
   card.power_off(now);

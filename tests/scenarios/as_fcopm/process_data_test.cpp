@@ -128,16 +128,16 @@ TEST_F(FcopmProcessData, PdosAreThereInOperationalAlone) {
   }
   run(2ms);
   EXPECT_EQ(sent(0x203), (std::vector<Bytes>{{7, 0, 0, 0}})) << "written before: it has changed";
-  ask({0x0101, 4, 0x0303, 0x80, 3});
+  request({0x0101, 4, 0x0303, 0x80, 3});
   forget();
   set_d(25032, 8);
   run(1s);
   EXPECT_TRUE(sent(0x203).empty()) << "the slave is Pre-operational";
-  ask({0x0201, 4, 0x0303, 0x01, 3});
+  request({0x0201, 4, 0x0303, 0x01, 3});
   run(2ms);
   EXPECT_EQ(sent(0x203), (std::vector<Bytes>{{8, 0, 0, 0}}));
   slaves[3].answers = false;
-  ask({0x0301, 4, 0x0303, 0x81, 3});
+  request({0x0301, 4, 0x0303, 0x81, 3});
   run(3s);
   forget();
   set_d(25032, 9);
@@ -155,7 +155,7 @@ TEST_F(FcopmProcessData, ASlaveThatRestartsGetsItsValuesAgain) {
   set_d(25032, 7);
   run(5ms);
   forget();
-  ask({0x0101, 4, 0x0303, 0x81, 3});
+  request({0x0101, 4, 0x0303, 0x81, 3});
   run(5s);
   EXPECT_EQ(sent(0x203), (std::vector<Bytes>{{7, 0, 0, 0}}));
   EXPECT_TRUE(sent(0x303).empty()) << "zeros are what it has";
@@ -172,11 +172,11 @@ TEST_F(FcopmProcessData, WhatAWatchedSlaveMissedWhileItWasStopped_ComesWithItsSt
     other.start();
     other.set_d(25032, 5);
     other.run(100ms);
-    other.ask({0x0101, 4, 0x0303, 2, 3});
+    other.request({0x0101, 4, 0x0303, 2, 3});
     other.set_d(25032, value);  // the next heartbeat is still to come
     other.run(1s);
     other.forget();
-    other.ask({0x0201, 4, 0x0303, 1, 3}, 300ms);
+    other.request({0x0201, 4, 0x0303, 1, 3}, 300ms);
     EXPECT_EQ(other.sent(0x203), (std::vector<Bytes>{{static_cast<std::uint8_t>(value), 0}}));
     EXPECT_TRUE(other.sent(0x303).empty()) << "never written";
   }

@@ -371,7 +371,7 @@ TEST_F(FcopmAsSlave, F07_ItsObjects) {
 TEST_F(FcopmAsSlave, TheMastersRegistersAreNotThere) {
   RecordProperty("spec", "ASF-GEN-001");
   start_operational();
-  ask({0x0101, 4, 0x0103, 0x1000, 0});
+  request({0x0101, 4, 0x0103, 0x1000, 0});
   run(1s);
   EXPECT_TRUE(sent(0x603).empty());
   for (std::uint32_t number = 24000; number < 24032; ++number) EXPECT_EQ(d(number), 0U);

@@ -96,7 +96,7 @@ TEST_F(FcopmStatus, D03_APdoThatDoesNotCome) {
   EXPECT_EQ(code(3), 0U);
   run(400ms);
   EXPECT_EQ(code(3), 0xE2U) << "PDO 2, by its event timer";
-  ask({0x0101, 4, 0x0303, 2, 3});  // a stopped slave sends none
+  request({0x0101, 4, 0x0303, 2, 3});  // a stopped slave sends none
   run(5s);
   EXPECT_EQ(code(3), 0U);
 }
@@ -116,7 +116,7 @@ TEST_F(FcopmStatus, D03_AnAutoSdoThatIsRefused) {
     EXPECT_EQ(there.state, 0x7F) << "not started";
     EXPECT_FALSE(there.was_written(0x2300, 3, {9})) << "those behind it are left out";
     there.refused.clear();
-    other.ask({0x0101, 4, 0x0303, 0x81, 3});
+    other.request({0x0101, 4, 0x0303, 0x81, 3});
     other.run(3s);
     EXPECT_EQ(other.code(3), 0U);
     EXPECT_EQ(there.state, 0x05);
@@ -139,7 +139,7 @@ TEST_F(FcopmStatus, ASlaveThatWasNotConfigured_IsShownByItsCodeAlone) {
     const std::uint16_t code = object.first == 0x2100 ? 0xE3U : 0xE4U;
     EXPECT_EQ(other.code(64), code) << std::hex << object.first;
     // The program starts it all the same, and it sends.
-    other.ask({0x0101, 4, 0x0340, 0x01, 64});
+    other.request({0x0101, 4, 0x0340, 0x01, 64});
     EXPECT_EQ(there.state, 0x05);
     other.receive(0x1C0, {0x34, 0x12});
     EXPECT_EQ(other.d(24032), 0U) << std::hex << object.first;
@@ -151,7 +151,7 @@ TEST_F(FcopmStatus, ASlaveThatWasNotConfigured_IsShownByItsCodeAlone) {
     EXPECT_TRUE(other.sent(0x240).empty()) << "it would write another object";
     // Configured, it is one of the network.
     there.refused.clear();
-    other.ask({0x0201, 4, 0x0340, 0x81, 64});
+    other.request({0x0201, 4, 0x0340, 0x81, 64});
     other.run(3s);
     EXPECT_EQ(other.code(64), 0U);
     EXPECT_EQ(other.sent(0x240), (std::vector<Bytes>{{0x78, 0x56}}));

@@ -15,13 +15,13 @@ class WithProgram : public OtherScenario<module::fx3u_can::Fx3uCan> {
 
   void start_program() {
     program_.supply_changed(true, now());
-    program_.look(now());
+    program_.update(now());
   }
   void run(can::Duration time) {
     for (const can::Time end = now() + time; now() < end;) {
       advance(1ms);
       program_.tick(now());
-      program_.look(now());
+      program_.update(now());
     }
   }
 

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "canopus/module/models/fx2n_32can/buffer_table.hpp"
-#include "canopus/module/models/fx2n_32can/object_table.hpp"
+#include "canopus/module/models/fx2n_32can/fx2n_32can.hpp"
 
 #include "scenarios/fx2n_32can/scenario.hpp"
 #include "scenarios/module_page.hpp"

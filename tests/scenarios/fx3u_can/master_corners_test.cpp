@@ -120,7 +120,7 @@ TEST(FxNmt, ARequestToANodeThatIsNotTheMaster_IsRefused) {
   s.expect(25, 0x0201);
 }
 
-/// 1017H:00 = 500, then 1800H:02 = 1.
+/// 1017:00 = 500, then 1800:02 = 1.
 void write_concise_dcf(BlockScenario& s, std::uint16_t node, Where where = Where::current()) {
   Words command{0x0002, 0, 0x1F22, node, 21};
   const Words file{2, 0, 0x1017, 0x0200, 0, 0xF400, 0x0001, 0x0218, 0x0001, 0x0000, 0x0001};

@@ -311,7 +311,7 @@ TEST(FxNmt, ConciseDcfs_ConfigureSlaves) {
                  "FX3U-STO-003 FX3U-STO-005");
   BlockScenario s;
   s.power_on().write(26, 0);
-  const Words file{1, 0, 0x1017, 0x0200, 0, 0xF400, 0x0001};  // 13 bytes: 1017H:00 = 500
+  const Words file{1, 0, 0x1017, 0x0200, 0, 0xF400, 0x0001};  // 13 bytes: 1017:00 = 500
   const auto write_file = [&](std::uint16_t node) {
     Words command{0x0002, 0, 0x1F22, node, 13};
     command.insert(command.end(), file.begin(), file.end());

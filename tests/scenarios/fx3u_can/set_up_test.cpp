@@ -19,7 +19,7 @@ void refuse(BlockScenario& s, std::uint8_t node, const Bytes& request, std::uint
   s.rx(0x580U + node, answer);
 }
 /// It is asked for a COB-ID, and says this.
-void say_cob_id(BlockScenario& s, std::uint8_t node, std::uint16_t index, std::uint32_t cob_id,
+void set_cob_id(BlockScenario& s, std::uint8_t node, std::uint16_t index, std::uint32_t cob_id,
                 Where where = Where::current()) {
   const auto low = static_cast<std::uint8_t>(index & 0xFF), high = static_cast<std::uint8_t>(index >> 8);
   s.tx(0x600U + node, {0x40, low, high, 1, 0, 0, 0, 0}, where);
@@ -124,8 +124,8 @@ TEST(FxMapping, ModeB_Binds_TwoRemoteNodes) {
   RecordProperty("spec", "FX3U-MB-002 FX3U-MB-004");
   BlockScenario s;
   s.power_on().cif({0x8300, 0x1009, 0x0203, 0xFFFF}).expect(1000, 0xFFFF);
-  say_cob_id(s, 0x10, 0x1808, 0x4000'0390);
-  say_cob_id(s, 2, 0x1402, 0x402);
+  set_cob_id(s, 0x10, 0x1808, 0x4000'0390);
+  set_cob_id(s, 2, 0x1402, 0x402);
   accept(s, 2, {0x23, 0x02, 0x14, 1, 0x90, 0x03, 0, 0x80});  // off first: it was valid
   accept(s, 2, {0x23, 0x02, 0x14, 1, 0x90, 0x03, 0, 0x00});
   s.no_tx().expect(1000, {0x8301, 0, 0, 0});
@@ -136,11 +136,11 @@ TEST(FxMapping, ModeB_BindsTheLocalNode_InBothRoles) {
   for (const std::uint16_t own : Words{0, 127}) {
     BlockScenario s;
     s.power_on().cif({0x8300, 0x0301, static_cast<std::uint16_t>(own << 8 | 6), 0xFFFF});
-    say_cob_id(s, 3, 0x1800, 0x183);
+    set_cob_id(s, 3, 0x1800, 0x183);
     s.no_tx().expect(1000, {0x8301, 0, 0});  // it was disabled: no warning of the local node
     s.expect_object(0x1405, 1, 0x183, 4);
     s.cif({0x8300, static_cast<std::uint16_t>(own << 8 | 1), 0x0501, 0xFFFF});
-    say_cob_id(s, 5, 0x1400, 0x8000'0000);
+    set_cob_id(s, 5, 0x1400, 0x8000'0000);
     accept(s, 5, {0x23, 0x00, 0x14, 1, 0xFF, 0x01, 0, 0});
     s.expect(1000, {0x83FF, 0, 0x0001});  // the destination was disabled: bound, with a warning
   }
@@ -155,7 +155,7 @@ TEST(FxMapping, ModeB_GivesTheLocalNodeFurtherTpdos) {
   s.expect_object(0x1804, 1, 0x4000'01FF, 4).expect_object(0x184F, 1, 0x4000'0483, 4);
   // All three in one call.
   s.cif({0x8300, 0, 0, 0x0601, 0x0001, 0x0702, 0x8006, 0xFFFF});
-  say_cob_id(s, 6, 0x1800, 0x186);
+  set_cob_id(s, 6, 0x1800, 0x186);
   s.expect(1000, {0x8301, 0, 0, 0, 0, 0, 0});
   s.expect_object(0x1804, 1, 0xC000'0000, 4)
       .expect_object(0x1805, 1, 0x4000'0287, 4)

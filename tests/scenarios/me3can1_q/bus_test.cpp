@@ -211,7 +211,7 @@ TEST(Me3OnABus, AloneOnTheBus_CountsUpByEightToErrorPassive_AndDownByOnePerGoodF
   EXPECT_EQ(seen, (Words{8, 16, 24, 32, 40, 48, 56, 64, 72, 80, 88, 96, 104, 112, 120, 128}));
   EXPECT_EQ(plant.g(one, 29), 0x4000);
   plant.run(10s);
-  EXPECT_EQ(plant.g(one, 35), 128);  // nobody acknowledges: not bus-off
+  EXPECT_EQ(plant.g(one, 35), 128);  // no node acknowledges: not bus-off
 
   Plant::Slot& two = plant.add(0x20, {{27, 2}}, {}, false);  // in a rack of its own
   plant.power_on(two);

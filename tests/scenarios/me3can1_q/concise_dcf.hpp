@@ -8,7 +8,7 @@
 
 namespace canopus::scenario {
 
-/// One entry: 1017H:00, 2 bytes.
+/// One entry: 1017:00, 2 bytes.
 inline Bytes write_of_1017(std::uint16_t value) {
   return {1,
           0,
@@ -31,7 +31,7 @@ inline std::uint32_t write_by_bus(IntelligentScenario& s, std::uint16_t index, s
                                   const Bytes& value) {
   const std::uint32_t own = s.plug_in().node().node_id();
   std::uint32_t abort = 0;
-  const auto ask = [&](Bytes frame) {
+  const auto request = [&](Bytes frame) {
     frame.resize(8);
     s.rx(0x600 + own, frame);
     std::deque<can::Frame>& sent = s.controller().sent;
@@ -49,17 +49,17 @@ inline std::uint32_t write_by_bus(IntelligentScenario& s, std::uint16_t index, s
   if (value.size() <= 4) {
     Bytes frame{static_cast<std::uint8_t>(0x23 | (4 - size) << 2), low, high, sub};
     frame.insert(frame.end(), value.begin(), value.end());
-    ask(frame);
+    request(frame);
     return abort;
   }
-  ask({0x21, low, high, sub, size});
+  request({0x21, low, high, sub, size});
   for (std::size_t at = 0, toggle = 0; at < value.size() && abort == 0; at += 7, toggle ^= 0x10) {
     const std::size_t bytes = std::min<std::size_t>(7, value.size() - at);
     const bool is_last = at + bytes == value.size();
     Bytes frame{static_cast<std::uint8_t>(toggle | (7 - bytes) << 1 | (is_last ? 1U : 0U))};
     frame.insert(frame.end(), value.begin() + static_cast<std::ptrdiff_t>(at),
                  value.begin() + static_cast<std::ptrdiff_t>(at + bytes));
-    ask(frame);
+    request(frame);
   }
   return abort;
 }

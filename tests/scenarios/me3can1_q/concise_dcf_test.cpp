@@ -133,7 +133,7 @@ TEST_P(ConciseDcf, SixtyFiles_AndNotOneMore) {
   s.expect(1000, 0x0005).expect(1004, 0);
 }
 
-// 1F22H:02 is written to the flash memory with the write, and 60 files of 65531 bytes have room.
+// 1F22:02 is written to the flash memory with the write, and 60 files of 65531 bytes have room.
 TEST_P(ConciseDcf, SixtyFilesOfTheGreatestLength) {
   spec("ME3-CFG-002 ME3-CFG-003 ME3-CFG-005", "RJ71-CM-004");
   IntelligentScenario s(GetParam());

@@ -259,7 +259,7 @@ TEST_P(CornersOfCanopen, ConfigurationRequest_EndsWithTheSlavesAbort) {
   s.plug_in().preset_object(0x1F81, 5, canopen::little_endian(0x01, 4));
   s.power_on();
   s.advance(1s).ignore_tx();
-  // 1017H:00 and 1015H:00, 2 bytes each
+  // 1017:00 and 1015:00, 2 bytes each
   EXPECT_EQ(
       write_concise_dcf(s, 5, {2, 0, 0, 0, 0x17, 0x10, 0, 2, 0, 0, 0, 7, 0, 0x15, 0x10, 0, 2, 0, 0, 0, 9, 0}),
       0U);

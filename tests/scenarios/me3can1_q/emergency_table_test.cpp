@@ -69,7 +69,7 @@ TEST(Me3ErrorTable, EveryEmergencyCode_ByItsCause_OrByTheCommandAlone) {
       firmware_causes.at(code)(s);
       EXPECT_EQ(emergencies_sent(s), Words{code}) << row.place;
     }
-    // By command 000AH, any code; the history and the register go with 1003H:00 = 0.
+    // By command 000AH, any code; the history and the register go with 1003:00 = 0.
     IntelligentScenario s;
     s.power_on_as(1);
     s.cif({0x000A, code, 0x2211, 0x4433, 0x6655});

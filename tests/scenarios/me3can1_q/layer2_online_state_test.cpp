@@ -102,7 +102,7 @@ TEST(Me3Layer2Bus, GoingOffline_WithoutAPartner_EndsTheRepetitions) {
   b.y(0x03, true);
   b.y(0x01, true);
   b.run(1s);
-  EXPECT_EQ(b.read(35), 128);  // nobody acknowledges
+  EXPECT_EQ(b.read(35), 128);  // no node acknowledges
   b.y(0x03, false);
   b.run(1s);
   b.partner().plug(true);

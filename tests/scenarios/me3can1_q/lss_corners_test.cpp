@@ -30,11 +30,11 @@ TEST_P(LssCorners, ItsOwnIdentity_SelectsNothing) {
     const auto identity = [&](std::uint8_t sub) { return objects.get<std::uint32_t>(0x1018, sub); };
     const std::array parts{identity(1), identity(2), identity(3), 0U};
     ASSERT_NE(parts[0], 0U);
-    const auto hear_select = [&](std::uint8_t first) {
+    const auto receive_select = [&](std::uint8_t first) {
       for (std::uint8_t i = 0; i < 4; ++i)
         s.rx(to_slaves, command(static_cast<std::uint8_t>(first + i), parts[i])).no_tx();
     };
-    hear_select(0x40);  // switch state selective
+    receive_select(0x40);  // switch state selective
     s.rx(to_slaves, {0x11, 0x20, 0, 0, 0, 0, 0, 0}).rx(to_slaves, {0x13, 0, 0, 0, 0, 0, 0, 0});
     s.rx(to_slaves, {0x15, 10, 0, 0, 0, 0, 0, 0}).rx(to_slaves, {0x17, 0, 0, 0, 0, 0, 0, 0});
     for (const std::uint8_t inquiry : Bytes{0x5A, 0x5B, 0x5C, 0x5D, 0x5E})

@@ -261,7 +261,7 @@ TEST_P(Lss, SlaveThatAnswered_IsNotMissing) {
 
 TEST_P(Lss, MasterOnly_NeverAnswersAsASlave_AndSearchesOnlyAsTheActiveMaster) {
   spec("ME3-LSS-001", "RJ71-LSS-001");
-  const auto hear_a_master = [](IntelligentScenario& s) {
+  const auto receive_from_a_master = [](IntelligentScenario& s) {
     s.rx(0x7E5, {0x04, 0x01, 0, 0, 0, 0, 0, 0});
     s.rx(0x7E5, {0x5A, 0, 0, 0, 0, 0, 0, 0}).rx(0x7E5, {0x5E, 0, 0, 0, 0, 0, 0, 0});
     s.rx(0x7E5, {0x11, 0x20, 0, 0, 0, 0, 0, 0}).rx(0x7E5, {0x17, 0, 0, 0, 0, 0, 0, 0});
@@ -271,13 +271,13 @@ TEST_P(Lss, MasterOnly_NeverAnswersAsASlave_AndSearchesOnlyAsTheActiveMaster) {
   };
   IntelligentScenario slave(GetParam());
   slave.power_on_as(1);
-  hear_a_master(slave);
+  receive_from_a_master(slave);
   EXPECT_EQ(slave.plug_in().node().node_id(), 1);
 
   IntelligentScenario not_active(GetParam());  // all of S76, but 1F80H bit 0 is 0
   preset(not_active.plug_in(), without(s76, 0x1F80));
   not_active.supply_on().wait_tx(0x701, {0x00});
-  hear_a_master(not_active);
+  receive_from_a_master(not_active);
   not_active.advance(30s).no_tx().expect_bit(25, lss_active, false);
 }
 

@@ -32,7 +32,7 @@ inline void set(IntelligentScenario& s, std::initializer_list<Object> objects,
   for (const Object& object : objects) s.set_object(object.index, object.sub, object.value, 4, where);
 }
 
-/// 1F22H/02: 1017H:00 = 1000, 1800H:01 = 80000181H.
+/// 1F22H/02: 1017:00 = 1000, 1800:01 = 80000181H.
 inline void store_concise_dcf(IntelligentScenario& s, Where where = Where::current()) {
   const Bytes file{2,    0, 0,    0, 0x17, 0x10, 0, 2, 0,    0,    0,    0xE8,
                    0x03, 0, 0x18, 1, 4,    0,    0, 0, 0x81, 0x01, 0x00, 0x80};

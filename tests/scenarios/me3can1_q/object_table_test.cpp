@@ -41,12 +41,12 @@ class Client {
   explicit Client(IntelligentScenario& s) : s_(&s) {}
 
   Answer upload(std::uint16_t index, std::uint8_t sub) {
-    const Bytes begin = ask({0x40, low(index), high(index), sub, 0, 0, 0, 0});
+    const Bytes begin = transfer({0x40, low(index), high(index), sub, 0, 0, 0, 0});
     if (begin[0] == 0x80) return {code(begin), {}};
     if ((begin[0] & 2) != 0) return {done, {begin.begin() + 4, begin.end() - (begin[0] >> 2 & 3)}};
     Answer answer;
     for (std::uint8_t toggle = 0;; toggle ^= 0x10) {
-      const Bytes segment = ask({static_cast<std::uint8_t>(0x60 | toggle), 0, 0, 0, 0, 0, 0, 0});
+      const Bytes segment = transfer({static_cast<std::uint8_t>(0x60 | toggle), 0, 0, 0, 0, 0, 0, 0});
       if (segment[0] == 0x80) return {code(segment), {}};
       answer.value.insert(answer.value.end(), segment.begin() + 1, segment.end() - (segment[0] >> 1 & 7));
       if ((segment[0] & 1) != 0) return answer;
@@ -57,7 +57,7 @@ class Client {
         static_cast<std::uint8_t>(0x23 | (4 - length) << 2), low(index), high(index), sub, 0, 0, 0, 0};
     for (std::size_t i = 0; i < length; ++i)
       request[4 + i] = static_cast<std::uint8_t>(value >> (8 * i) & 0xFF);
-    const Bytes answer = ask(request);
+    const Bytes answer = transfer(request);
     return answer[0] == 0x80 ? code(answer) : std::uint32_t{done};
   }
 
@@ -68,7 +68,7 @@ class Client {
     return static_cast<std::uint32_t>(frame[4]) | static_cast<std::uint32_t>(frame[5]) << 8 |
            static_cast<std::uint32_t>(frame[6]) << 16 | static_cast<std::uint32_t>(frame[7]) << 24;
   }
-  Bytes ask(const Bytes& request) {
+  Bytes transfer(const Bytes& request) {
     s_->rx(0x600 + node_id, request);
     for (auto& sent = s_->controller().sent; !sent.empty();) {
       const can::Frame frame = sent.front();

@@ -357,7 +357,7 @@ TEST(Me3PowerCut, FlashWrites_AreCounted_OverPowerCyclesAndStores) {
   EXPECT_EQ(s.plug_in().flash_writes(), 2U);
   s.cif({0x0002, 0, 0x1F22, 2, 1, 0x0000});  // nothing to delete
   EXPECT_EQ(s.plug_in().flash_writes(), 2U);
-  // One entry: 1000 to 1017H:00.
+  // One entry: 1000 to 1017:00.
   s.cif({0x0002, 0, 0x1F22, 2, 13, 0x0001, 0x0000, 0x1017, 0x0200, 0x0000, 0xE800, 0x0003});
   EXPECT_EQ(s.plug_in().flash_writes(), 3U);
   s.cif({0x0002, 0, 0x1F22, 2, 1, 0x0000});

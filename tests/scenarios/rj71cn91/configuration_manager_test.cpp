@@ -10,7 +10,7 @@ using namespace rj71cn91_presets;
 constexpr std::uint32_t optional = 0x05;   // 1F81H: NMT slave and boot slave
 constexpr std::uint32_t mandatory = 0x0D;  // and mandatory
 
-/// 1017H:00 = 100 and 1015H:00 = 9, and what is written of it.
+/// 1017:00 = 100 and 1015:00 = 9, and what is written of it.
 const Bytes two_entries{2, 0, 0, 0, 0x17, 0x10, 0, 2, 0, 0, 0, 100, 0, 0x15, 0x10, 0, 2, 0, 0, 0, 9, 0};
 const Bytes write_1017{0x2B, 0x17, 0x10, 0x00, 0x64, 0x00, 0, 0};
 const Bytes written_1017{0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0};

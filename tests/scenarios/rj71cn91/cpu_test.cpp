@@ -20,7 +20,7 @@ void preset(IntelligentScenario& s, std::uint16_t index, std::uint8_t sub, std::
             canopen::AbortCode::none);
 }
 
-/// 1029H:01, and where it leads from Operational when the CPU stops.
+/// 1029:01, and where it leads from Operational when the CPU stops.
 struct Behaviour {
   std::uint8_t value;
   std::uint16_t state;
@@ -200,7 +200,7 @@ TEST(Rj71StartUp, OptionalSlaveFailed_G25_13_AndTheStartUpGoesOn) {
 
 // --- identification of a slave
 
-/// 1000H and 1018H:01-04 of slave 5.
+/// 1000H and 1018:01-04 of slave 5.
 using Identity = std::array<std::uint32_t, 5>;
 
 /// Boots slave 5, which has this identity. Whether it was started; `asked`: the objects that were read.

@@ -157,22 +157,22 @@ TEST_P(DataCorners, ReceiveSlots_ExactAndMasked_InBothForms) {
     s.write(parameters(1), {0x0040, 0, 0x000F, 0});
     s.write(parameters(42), {static_cast<std::uint16_t>(own), static_cast<std::uint16_t>(own >> 16), 0, 0});
     s.online();
-    const auto taken = [&](unsigned slot, const can::Frame& sent) {
+    const auto accepted = [&](unsigned slot, const can::Frame& sent) {
       s.write(block(slot) + 2, 0).rx(sent);
       s.exchange();
       return (s.read(block(slot) + 2) & 0x0100) != 0;
     };
     for (std::uint32_t identifier = 0x30; identifier < 0x60; ++identifier) {
-      EXPECT_EQ(taken(1, frame(form, identifier, {1})), identifier / 16 == 4) << std::hex << identifier;
+      EXPECT_EQ(accepted(1, frame(form, identifier, {1})), identifier / 16 == 4) << std::hex << identifier;
     }
-    EXPECT_TRUE(taken(42, frame(form, own, {1})));
+    EXPECT_TRUE(accepted(42, frame(form, own, {1})));
     for (std::uint32_t bit = 1; bit <= form.highest; bit <<= 1U) {
-      EXPECT_FALSE(taken(42, frame(form, own ^ bit, {1}))) << std::hex << bit;
+      EXPECT_FALSE(accepted(42, frame(form, own ^ bit, {1}))) << std::hex << bit;
     }
     can::Frame other = frame(form, form.mode == 29 ? 0x45U : own, {1});  // the other kind of identifier
     other.extended = !other.extended;
-    EXPECT_FALSE(taken(form.mode == 29 ? 1 : 42, other));
-    EXPECT_FALSE(taken(42, remote(form, own, 1)));
+    EXPECT_FALSE(accepted(form.mode == 29 ? 1 : 42, other));
+    EXPECT_FALSE(accepted(42, remote(form, own, 1)));
   }
 }
 

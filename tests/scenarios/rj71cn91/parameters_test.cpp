@@ -70,7 +70,7 @@ TEST(Rj71Parameters, ConciseDcfs_GoTo1F22H_WhenTheSupplyComes) {
       EXPECT_NE(s.read(1004), 13) << unsigned{node};
       return;
     }
-    // 1 entry: 1017H:00, 2 bytes.
+    // 1 entry: 1017:00, 2 bytes.
     s.expect(1000, {0x0005, 0, 0x1F22, node, 13, 1, 0, 0x1017, 0x0200, 0,
                     static_cast<std::uint16_t>(heartbeat << 8)});
   };

@@ -5,8 +5,7 @@
 
 #include "canopus/module/engine/signals.hpp"
 #include "canopus/module/models/rj71cn91/buffer_table.hpp"
-#include "canopus/module/models/rj71cn91/model.hpp"
-#include "canopus/module/models/rj71cn91/object_table.hpp"
+#include "canopus/module/models/rj71cn91/rj71cn91.hpp"
 
 #include "scenarios/me3can1_q/scenario.hpp"
 #include "scenarios/module_page.hpp"

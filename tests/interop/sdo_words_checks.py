@@ -1,10 +1,9 @@
-"""Checks of what the page says in words: domains and concise DCFs, the times of a flying master, a module's errors; in a real Chromium."""
+"""Checks of `canopus sdo` and `canopus eds concise` where values are said in words: concise DCFs and other domains."""
 import json
 import re
 
 from bus_checks import on_bus
-from kit import BROWSER_PATIENCE, HERE, browser, check, command, first_plant_file, host_port, program, require, running, scratch, tier
-from web_checks import page_with_key, pictures_of
+from kit import HERE, check, command, first_plant_file, program, require, running, scratch
 
 
 def concise(*entries):
@@ -56,34 +55,3 @@ def sdo_command_says_domains_and_concise_dcfs_in_words():
     require("entry 2 says 70000 bytes, 12 are left" in said, said)
     require(json.loads(command(program, "eds", "concise", files["bad"], "--json", expect=1).stdout)["problem"].startswith("entry 2"), "--json")
     command(program, "eds", "concise", scratch / "none.cdcf", expect=2)
-
-
-@check
-@tier("browser")
-def web_values_and_errors_in_words_in_chromium():
-    """A concise DCF and another domain by SDO and in a node's objects, saved as a file; the time of a flying master; a module's errors at its front, cleared, and the module reset."""
-    chromium = browser()
-    with running(plant_of_words(), operational=[1, 2, 3], words=["--web"]) as plant:
-        command(program, "plc", "write", "U0\\G27", "200", "--port", host_port(plant.mc)[1], expect=1)
-        emergencies = scratch / "web-in-words.log"  # of nodes 3 and 4; the newest stands first
-        emergencies.write_text("(0.0) line1 083#1030110000000000\n(0.1) line1 084#008281AB00000000\n")
-        command(program, "replay", emergencies, "--bus", f"socketcand:{plant.socketcand}")
-        seen = json.loads(command("node", HERE / "web_in_words.mjs", chromium, page_with_key(plant), pictures_of("views"), GOOD.hex(), timeout=BROWSER_PATIENCE).stdout)
-    require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
-    require(seen["written"] == "1F22:03 is written" and re.fullmatch(r"22 bytes in [\d.]+ m?s, [\d.]+ kB/s, segmented", seen["written_speed"]), seen)
-    require(seen["read"]["heading"] == "concise DCF, 22 bytes, 2 entries" and len(seen["read"]["rows"]) == 2 and seen["read"]["rows"][0].endswith("500 ms") and seen["read"]["rows"][1] == "6000:00Operating parameters1", seen["read"])
-    require(seen["text"]["heading"] == "20 bytes" and seen["text"]["dump"].splitlines() == ["00000000  68 65 6C 6C 6F 20 64 6F 6D 61 69 6E 20 6F 66 20  |hello domain of |", f"00000010  61 20 6E 6F{36 * ' '}  |a no|"], seen["text"])
-    require(seen["saved"] == {"name": "line1-5-2001-00.bin", "bytes": b"hello domain of a no".hex()}, seen["saved"])
-    require(seen["expedited"] == "", seen["expedited"])
-    require(seen["object"]["value"].startswith("22 bytes") and seen["object"]["rows"] == ["1017:00Producer heartbeat time500 ms", "6000:00Operating parameters1"], seen["object"])
-    require(seen["kept"] == {"name": "line1-1-1F22-03.bin", "bytes": GOOD.hex()}, seen["kept"])
-    require(seen["closed"], "the value stays open")
-    require(seen["flying"]["In words"].startswith("negotiation: 500 ms + 2 x 100 ms + 1 x 10 ms = 710 ms after a reset") and "overlap" in seen["flying"]["Warning"], seen["flying"])
-    require(any("G29 bit 6" in one and "buffer memory setting error" in one for one in seen["errors"]["errors now"]), seen["errors"])
-    require(any("G39" in one and "G27" in one for one in seen["errors"]["errors now"]), seen["errors"])
-    received = seen["errors"]["emergencies received"]
-    require([re.match(r"node (\d) +(\w+H) ", one).groups() for one in received] == [("4", "8200H"), ("3", "3010H")] and "error register 81H" in received[0] and "data AB 00" in received[0], received)
-    require(seen["cleared"]["said"].startswith("errors cleared: Y0F ON until X0F is OFF"), seen["cleared"])
-    require(seen["reset"]["how"] == "Y02 ON until X02 is ON" and seen["reset"]["asked"] == seen["cleared"]["said"], seen["reset"])
-    require(re.fullmatch(r"restarted in [\d.]+ s: Y02 ON until X02 is ON", seen["reset"]["said"]), seen["reset"])
-    require(seen["errors_closed"], "the errors stay open")
