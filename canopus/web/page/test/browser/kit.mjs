@@ -110,6 +110,14 @@ export async function open(run, hash = "", { joined, ...more } = {}) {
   await route_files(context);
   await joined?.(context);
   const page = await context.newPage();
+  // iX draws a button's `disabled` a frame late. Until then it swallows a click, which Playwright does not notice.
+  const click = page.click.bind(page);
+  page.click = async (selector, more) => {
+    await page.locator(selector).first().evaluate(async (one) => {
+      while (one.matches("ix-button") && !one.disabled && one.shadowRoot?.querySelector("button")?.disabled) await new Promise(requestAnimationFrame);
+    }).catch(() => undefined);
+    await click(selector, more);
+  };
   const counts = { clicks: 0, typed: 0 };
   Object.assign(page, { problems: [], counts });
   page.on("console", (message) => ["error", "warning"].includes(message.type()) && page.problems.push(message.text()));

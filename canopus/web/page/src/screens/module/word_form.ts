@@ -1,6 +1,7 @@
 // Writes a word of the buffer memory, as a PLC program would.
 import { html, nothing, type TemplateResult } from "lit";
 import type { App } from "../../frame/app.js";
+import { submit_button } from "../../parts/submit_button.js";
 import type { WordRow } from "../../store/protocol.js";
 import { word_of_text } from "./word_text.js";
 
@@ -32,6 +33,6 @@ export class WordForm {
     if (!row.access.includes("write") || !this.app.store.offers("write word") || !this.app.store.may_operate) return nothing;
     const write = (): void => void this.write(number, row);
     return html`<form class="write" @submit=${(event: Event) => { event.preventDefault(); write(); }}><label class="stacked"><span>New value</span><input class="field" id="word-value" autocomplete="off" placeholder="decimal, or 12ABH" .value=${this.value} @input=${(event: Event) => { this.value = (event.target as HTMLInputElement).value; }}></label>
-      <p class="buttons"><ix-button type="submit">Write</ix-button></p>${this.said ? html`<p role="status" class=${this.mood}>${this.said}</p>` : nothing}</form>`;
+      <p class="buttons">${submit_button("Write")}</p>${this.said ? html`<p role="status" class=${this.mood}>${this.said}</p>` : nothing}</form>`;
   }
 }

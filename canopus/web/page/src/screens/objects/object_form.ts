@@ -3,6 +3,7 @@ import { html, nothing, type TemplateResult } from "lit";
 import type { App } from "../../frame/app.js";
 import { without_options } from "../../store/commands.js";
 import { save_file } from "../../parts/save_file.js";
+import { submit_button } from "../../parts/submit_button.js";
 import type { ShownNode } from "../../store/nodes.js";
 import type { DomainWords, ObjectRow, ViewWish } from "../../store/protocol.js";
 import { named_bits, sdo_type } from "../../store/value_words.js";
@@ -56,7 +57,7 @@ export class ObjectForm {
     const write = (): void => void this.ask(node, "sdo write");
     return html`<form class="write" @submit=${(event: Event) => { event.preventDefault(); write(); }}>
       <label class="stacked"><span>New value (${row.type})</span><input class="field" id="object-value" autocomplete="off" spellcheck="false" placeholder=${row.decimal ?? "text or bytes"} .value=${this.value} @input=${(event: Event) => { this.value = (event.target as HTMLInputElement).value; }}></label>
-      <p class="buttons"><ix-button type="submit">Write by SDO</ix-button>${sdo_type(row.type) ? nothing : this.types()}${others}</p>
+      <p class="buttons">${submit_button("Write by SDO")}${sdo_type(row.type) ? nothing : this.types()}${others}</p>
       ${this.said ? html`<p role="status" class=${this.mood}>${this.said}</p>` : nothing}</form>`;
   }
 
@@ -66,7 +67,7 @@ export class ObjectForm {
     return html`<form class="tools" @submit=${(event: Event) => { event.preventDefault(); void this.ask(node, "sdo read"); }}>
         <label class="inline">Object <input class="field" placeholder="1018:02" autocomplete="off" .value=${this.object} @input=${set("object")}></label>
         <label class="inline">Type ${this.types()}</label>
-        <ix-button type="submit">Read by SDO</ix-button>
+        ${submit_button("Read by SDO")}
         ${this.app.store.may_configure ? html`<label class="inline">Value <input class="field" autocomplete="off" .value=${this.value} @input=${set("value")}></label><ix-button variant="secondary" @click=${() => void this.ask(node, "sdo write")}>Write by SDO</ix-button>` : nothing}
       </form>${this.said ? html`<p role="status" class=${this.mood}>${this.said}</p>` : nothing}`;
   }

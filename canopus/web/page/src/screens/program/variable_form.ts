@@ -1,6 +1,7 @@
 // Writes a variable once, or forces it: then it keeps its value whatever the program writes, until it is released.
 import { html, nothing, type TemplateResult } from "lit";
 import type { App } from "../../frame/app.js";
+import { submit_button } from "../../parts/submit_button.js";
 
 export interface FormVariable {
   name: string;
@@ -35,7 +36,7 @@ export class VariableForm {
     if (!one.writable || !store.may_operate || !store.offers("force variable")) return nothing;
     return html`<form class="write" @submit=${(event: Event) => { event.preventDefault(); void this.act(plc, one.name, "write variable", "written"); }}>
       <label class="stacked"><span>New value</span><input class="field" id="variable-value" autocomplete="off" spellcheck="false" maxlength="1024" placeholder=${one.value} .value=${this.value} @input=${(event: Event) => { this.value = (event.target as HTMLInputElement).value; }}></label>
-      <p class="buttons"><ix-button type="submit">Write</ix-button><ix-button variant="secondary" id="variable-force" title="It keeps this value, whatever the program writes" @click=${() => void this.act(plc, one.name, "force variable", "forced")}>Force</ix-button>
+      <p class="buttons">${submit_button("Write")}<ix-button variant="secondary" id="variable-force" title="It keeps this value, whatever the program writes" @click=${() => void this.act(plc, one.name, "force variable", "forced")}>Force</ix-button>
         ${one.forced ? html`<ix-button variant="secondary" id="variable-release" @click=${() => void this.act(plc, one.name, "release variable", "released")}>Release</ix-button>` : nothing}</p>
       ${this.said ? html`<p role="status" class=${this.mood}>${this.said}</p>` : nothing}</form>`;
   }

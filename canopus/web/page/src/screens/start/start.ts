@@ -4,6 +4,7 @@ import type { App, Screen } from "../../frame/app.js";
 import { head } from "../../frame/head.js";
 import { iconAdd, iconHome, iconRocket } from "../../frame/icons.js";
 import { link } from "../../frame/route.js";
+import { submit_button } from "../../parts/submit_button.js";
 import { count_text } from "../../store/nodes.js";
 import { entries_of, type Entry, type Found } from "./entries.js";
 import { plant_picture } from "./picture.js";
@@ -46,6 +47,7 @@ export class StartScreen implements Screen {
 
   /** It is a page of its own. */
   private async open(command: Record<string, unknown> & { command: string }): Promise<void> {
+    if (this.is_opening) return;  // Enter was pressed twice
     this.is_opening = true;
     this.app.say("starting …", "running");
     const done = await this.app.connection.commands.run(command);
@@ -86,7 +88,7 @@ export class StartScreen implements Screen {
     return html`<section class="panel"><h2>New settings of a module</h2><form class="tools" @submit=${(event: Event) => { event.preventDefault(); create(); }}><label class="stacked"><span>Name</span><input class="field" id="settings-name" ?disabled=${off} .value=${this.settings_name} @input=${(event: Event) => { this.settings_name = (event.target as HTMLInputElement).value; this.app.redraw(); }}></label>
       ${files.length ? html`<label class="stacked"><span>Copy of</span><select class="field" ?disabled=${off} @change=${(event: Event) => { this.copy_of = (event.target as HTMLSelectElement).value; this.app.redraw(); }}><option value="">new</option>${files.map((one) => html`<option ?selected=${one === this.copy_of}>${one}</option>`)}</select></label>` : nothing}
       ${this.copy_of ? nothing : html`<label class="stacked"><span>Module</span><select class="field" ?disabled=${off} @change=${(event: Event) => { this.model = (event.target as HTMLSelectElement).value; }}>${settings_models.map((one) => html`<option>${one}</option>`)}</select></label>`}
-      <ix-button type="submit" ?disabled=${off || !this.settings_name.trim()}>Create</ix-button></form></section>`;
+      ${submit_button("Create", { id: "settings-create", disabled: off || name === "" })}</form></section>`;
   }
 
   private program(off: boolean): TemplateResult {

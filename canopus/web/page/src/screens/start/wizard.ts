@@ -3,6 +3,7 @@ import { html, nothing, type TemplateResult } from "lit";
 import type { App } from "../../frame/app.js";
 import { iconTrashcan } from "../../frame/icons.js";
 import { device_file_types, largest_device_file } from "../../parts/device_files.js";
+import { submit_button } from "../../parts/submit_button.js";
 import { bit_rates, count_text } from "../../store/nodes.js";
 
 const usual_rate = 250;
@@ -109,13 +110,14 @@ export class Wizard {
     if (!this.kind) return nothing;
     const titles = [this.kind === "plant" ? "Name and module" : "Name", "Bus", "Devices"];
     const { problem, has_name } = this;
+    const last = this.step < 2 ? "Next" : this.devices.length ? `Create with ${count_text(this.devices.length, "device")}` : "Create";
     const steps = [(): TemplateResult => this.first(), (): TemplateResult => this.second(), (): TemplateResult => this.third()];
     return html`<section class="panel" id="wizard" aria-label=${`New ${this.kind}`}><h2>New ${this.kind}</h2>
       <ol class="wizard-steps">${titles.map((title, i) => html`<li aria-current=${i === this.step ? "step" : nothing} data-done=${i < this.step ? "" : nothing}><span class="step-number">${i + 1}</span>${title}</li>`)}</ol>
       <form class="wizard-form" @submit=${(event: Event) => { event.preventDefault(); this.next(); }}>${steps[this.step]!()}
         ${problem ? html`<p class="bad" role="alert">${problem}</p>` : nothing}
         <p class="buttons">${this.step > 0 ? html`<ix-button variant="secondary" @click=${() => this.go(this.step - 1)}>Back</ix-button>` : nothing}
-          <ix-button type="submit" id="wizard-next" ?disabled=${!has_name || problem !== ""}>${this.step < 2 ? "Next" : `Create${this.devices.length ? ` with ${count_text(this.devices.length, "device")}` : ""}`}</ix-button>
+          ${submit_button(last, { id: "wizard-next", disabled: !has_name || problem !== "" })}
           <span class="grows"></span><ix-button variant="secondary" @click=${() => { this.kind = null; this.app.redraw(); }}>Cancel</ix-button></p></form></section>`;
   }
 }
