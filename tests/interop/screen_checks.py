@@ -192,11 +192,20 @@ class Session:
         os.write(self.master, keys)
 
     def require_given_back(self):
-        require(termios.tcgetattr(self.master) == self.settings, "the terminal's settings are not as before")
-        require(not self.table_on, "the table is still on the terminal")
-        last = self.output.rfind(b"\x1b[?25h")
-        require(last > self.output.rfind(b"\x1b[?25l"), "the cursor stays hidden")
-        require(self.output.rfind(b"\x1b[?7h") > self.output.rfind(b"\x1b[?7l"), "lines do not wrap any more")
+        """The program has stopped or ended; what it wrote last may still be on its way through the terminal."""
+        def left():
+            if termios.tcgetattr(self.master) != self.settings:
+                return "the terminal's settings are not as before"
+            if self.table_on:
+                return "the table is still on the terminal"
+            if self.output.rfind(b"\x1b[?25h") <= self.output.rfind(b"\x1b[?25l"):
+                return "the cursor stays hidden"
+            return "" if self.output.rfind(b"\x1b[?7h") > self.output.rfind(b"\x1b[?7l") else "lines do not wrap any more"
+
+        end = time.monotonic() + PATIENCE
+        while left() and time.monotonic() < end:
+            self.pump(0.05)
+        require(not left(), left())
 
     def plc(self):
         self.wait_shown("MC protocol")
