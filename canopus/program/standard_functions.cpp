@@ -342,6 +342,10 @@ template <typename Character>
 bool from_string(NativeCall& call) {
   const Text<Character> from(call, 1);
   DataType type{.base = static_cast<Elementary>(call.slots[2])};
+  if (info(type.base).family == Family::character) {  // of an empty string: not defined by the standard
+    call.slots[0] = from.length() == 0 ? 0 : from.at(0);
+    return true;
+  }
   std::array<char, 64> memory{};
   if (from.length() <= memory.size()) {
     for (std::uint32_t i = 0; i < from.length(); ++i) {

@@ -61,11 +61,12 @@ std::uint32_t UnitCompiler::instance_address(Expression& callee) {
 
 void UnitCompiler::extract_enable(Expression& e, const UnitInfo* unit) {
   std::erase_if(e.arguments, [&](Argument& argument) {
-    const bool is_enable = argument.name == (argument.is_output ? "ENO" : "EN") && !argument.is_negated;
+    const bool is_enable = argument.name == (argument.is_output ? "ENO" : "EN");
     if (!is_enable || (unit != nullptr && unit->type->member(argument.name) != nullptr)) return false;
     ExpressionPtr& kept = argument.is_output ? e.enable_output : e.enable;
     if (kept != nullptr) return false;
     kept = std::move(argument.value);
+    if (argument.is_output) e.inverts_enable_output = argument.is_negated;
     return true;
   });
 }
@@ -78,7 +79,8 @@ void UnitCompiler::if_enabled(Expression& e, Call call) {
   const auto report = [&](bool is_enabled) {
     if (output == nullptr) return;
     const Place to = writable(*output, *type(Elementary::boolean));
-    if (to.kind != Place::Kind::none) store(to, constant_value(is_enabled ? 1 : 0, to.type));
+    if (to.kind == Place::Kind::none) return;
+    store(to, constant_value(is_enabled != e.inverts_enable_output ? 1 : 0, to.type));
   };
   std::optional<std::size_t> skip;
   if (enable != nullptr) {

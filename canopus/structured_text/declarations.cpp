@@ -1,6 +1,7 @@
 #include "canopus/structured_text/declarations.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "canopus/ascii/hex.hpp"
@@ -64,7 +65,8 @@ void Declarations::error(SourcePosition at, std::string message) {
 
 void Declarations::add(const SyntaxTree& tree) {
   const auto is_taken = [this](std::string_view name) {
-    return has_type(name) || units_.contains(name) || globals_.contains(name);
+    return has_type(name) || units_.contains(name) || globals_.contains(name) ||
+           program::elementary_named(name).has_value();
   };
   for (const TypeDeclaration& declaration : tree.types) {
     if (is_taken(declaration.name)) {
@@ -319,6 +321,11 @@ const DataType* Declarations::enumeration_of(const TypeNode& node, UnitInfo* sco
       const auto number = integer_constant(*value.number, scope);
       if (!number) return nullptr;
       next = *number;
+    }
+    if (!program::is_value({.base = type.base}, std::array{static_cast<Slot>(next)})) {
+      error(value.at, "expected a value within the range of " + std::string(program::info(type.base).name) +
+                          ", found " + std::to_string(next));
+      return nullptr;
     }
     if (std::ranges::any_of(type.values, [&](const auto& known) {
           return ascii::equal_ignoring_case(known.first, value.name);

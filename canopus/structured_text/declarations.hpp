@@ -30,6 +30,7 @@ enum class Progress : std::uint8_t { untouched, begun, done, failed };
 struct LocatedVariable {
   DeviceAccess device;  ///< the first one
   const DataType* type = nullptr;
+  bool is_constant = false;  ///< the program only reads it
 };
 
 struct UnitInfo {
@@ -41,7 +42,7 @@ struct UnitInfo {
   std::uint32_t function = 0;  ///< its number in the program; of a standard block that of its native function
   std::map<std::string_view, std::size_t> members{};  ///< by their names in capitals
   std::map<std::string_view, LocatedVariable> located{};
-  std::set<std::string_view> externals{};           ///< VAR_EXTERNAL
+  std::map<std::string_view, bool> externals{};     ///< VAR_EXTERNAL, and whether it is CONSTANT
   std::map<std::uint32_t, Slot> constants{};        ///< values of its scalar constants, by their slots
   std::map<std::string_view, UnitInfo*> methods{};  ///< of a function block
   UnitInfo* owner = nullptr;                        ///< of a method: its function block

@@ -35,6 +35,12 @@ bool is_integer(const DataType& type) {
 bool is_number(const DataType& type) {
   return is_integer(type) || (type.is_scalar() && family(type) == Family::real);
 }
+/// A literal of a string that may be a character of this type: 'a' of CHAR, "a" of WCHAR.
+bool is_character_of(const Expression& e, const DataType* type) {
+  if (type == nullptr || !type->is_scalar()) return false;
+  return (e.kind == Expression::Kind::string && type->base == Elementary::char_) ||
+         (e.kind == Expression::Kind::wide_string && type->base == Elementary::wchar);
+}
 bool is_comparison(std::string_view name) {
   return name == "=" || name == "<>" || name == "<" || name == ">" || name == "<=" || name == ">=";
 }
@@ -257,6 +263,7 @@ const DataType* UnitCompiler::common(const DataType* a, const DataType* b) {
 }
 
 const DataType* UnitCompiler::beside(Expression& operand, const DataType* other) {
+  if (is_character_of(operand, other)) return type(other->base);
   const DataType* const found = natural(operand);
   const bool is_negative = operand.kind == Expression::Kind::unary && operand.name == "-";
   const Expression& literal = is_negative ? *operand.children.front() : operand;
@@ -390,7 +397,8 @@ Value UnitCompiler::plain(Expression& e, const DataType* want, std::uint32_t int
     case Kind::integer:
     case Kind::real: return literal(e, want);
     case Kind::string:
-    case Kind::wide_string: return string_literal(e);
+    case Kind::wide_string:
+      return is_character_of(e, want) ? character_literal(e, e.name, want) : string_literal(e);
     case Kind::typed_literal: return typed_literal(e);
     case Kind::name:
     case Kind::member:
@@ -449,6 +457,7 @@ Value UnitCompiler::typed_literal(Expression& e) {
     error(e.at, "expected an elementary type or an enumeration before #, found " + found->name);
     return {};
   }
+  if (family(*found) == Family::character) return character_literal(e, e.written, found);
   // Underscores within digits are for the eye alone.
   std::string text(e.written);
   if (found->form != DataType::Form::enumeration) std::erase(text, '_');
@@ -471,11 +480,9 @@ Value UnitCompiler::typed_literal(Expression& e) {
   return constant_value(slots.front(), found);
 }
 
-Value UnitCompiler::string_literal(Expression& e) {
-  const bool is_wide = e.kind == Expression::Kind::wide_string;
-  const unsigned size = is_wide ? 16 : 8;
+std::optional<std::vector<std::uint16_t>> UnitCompiler::characters_of(const Expression& e,
+                                                                      std::string_view text, bool is_wide) {
   std::vector<std::uint16_t> characters;
-  const std::string_view text = e.name;
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] != '$') {
       // A wide string's characters are those of UTF-8, a narrow one's its bytes.
@@ -505,15 +512,33 @@ Value UnitCompiler::string_literal(Expression& e) {
     if (!code) {
       error(e.at,
             std::string("expected $") + (is_wide ? "hhhh" : "hh") + " or one of $$ $' $\" $L $N $P $R $T");
-      return {};
+      return std::nullopt;
     }
     characters.push_back(*code);
     i += digits;
   }
   if (characters.size() > 1024) {
     error(e.at, "expected at most 1024 characters");
-    return {};
+    return std::nullopt;
   }
+  return characters;
+}
+
+/// 'a' where a CHAR is expected.
+Value UnitCompiler::character_literal(const Expression& e, std::string_view text, const DataType* wanted) {
+  const auto characters = characters_of(e, text, wanted->base == Elementary::wchar);
+  if (!characters) return {};
+  if (characters->size() == 1) return constant_value(characters->front(), wanted);
+  error(e.at, "expected one character for " + wanted->name + ", found " + std::to_string(characters->size()));
+  return {};
+}
+
+Value UnitCompiler::string_literal(Expression& e) {
+  const bool is_wide = e.kind == Expression::Kind::wide_string;
+  const unsigned size = is_wide ? 16 : 8;
+  const auto read = characters_of(e, e.name, is_wide);
+  if (!read) return {};
+  const std::vector<std::uint16_t>& characters = *read;
   const auto length = static_cast<std::uint32_t>(characters.size());
   const std::uint32_t first = body_.reserve(program::string_slots(length, size));
   if (body_.is_too_large) return {};

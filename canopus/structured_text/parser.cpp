@@ -234,10 +234,20 @@ class Parser {
     return is("PROGRAM") || is("FUNCTION") || is("FUNCTION_BLOCK") || is("VAR_GLOBAL") || is("TYPE");
   }
 
+  /// [IEC 61131-3 6.5.2.2]
+  static bool may_be_constant(VariableSection::Kind kind) {
+    return kind == VariableSection::Kind::local || kind == VariableSection::Kind::global ||
+           kind == VariableSection::Kind::external;
+  }
+
   VariableSection section(VariableSection::Kind kind) {
     VariableSection found{.kind = kind, .at = now().at};
     const bool is_external = kind == VariableSection::Kind::external;
     while (true) {
+      if (is("CONSTANT") && !may_be_constant(kind)) {
+        error("expected CONSTANT behind VAR, VAR_GLOBAL or VAR_EXTERNAL alone");
+        break;
+      }
       if (accept("CONSTANT")) {
         found.is_constant = true;
       } else if (accept("RETAIN") || accept("PERSISTENT")) {

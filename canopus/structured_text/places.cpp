@@ -12,6 +12,12 @@ using program::Family;
 using program::Member;
 using program::MemberKind;
 
+bool UnitCompiler::is_constant_external(std::string_view name) const {
+  if (unit_ == nullptr) return false;
+  const auto found = unit_->externals.find(name);
+  return found != unit_->externals.end() && found->second;
+}
+
 bool UnitCompiler::is_variable(std::string_view name) {
   const auto has = [name](const UnitInfo* scope) {
     return scope != nullptr && (scope->members.contains(name) || scope->located.contains(name));
@@ -20,8 +26,9 @@ bool UnitCompiler::is_variable(std::string_view name) {
          declarations_.global_named(name, body_.at) != nullptr;
 }
 
-Place UnitCompiler::device_place(const DeviceAccess& access, const DataType* array) {
-  Place found{.kind = Place::Kind::device, .device = access};
+Place UnitCompiler::device_place(const DeviceAccess& access, const DataType* array, bool is_constant) {
+  Place found{.kind = Place::Kind::device, .is_constant = is_constant, .device = access};
+  if (is_constant) found.why_constant = expected_variable;
   found.type = array != nullptr && !array->is_scalar() ? array : type(access.type);
   return found;
 }
@@ -36,7 +43,7 @@ Place UnitCompiler::member_place(const UnitInfo& scope, const Member& member, Pl
   }
   if (!member.is_constant) return place;
   place.is_constant = true;
-  place.why_constant = "expected a variable, not a constant";
+  place.why_constant = expected_variable;
   if (!member.type->is_scalar()) return place;
   place.kind = Place::Kind::constant;
   place.value = scope.constants.at(member.offset);
@@ -67,8 +74,8 @@ std::optional<Place> UnitCompiler::own_variable(Expression& expression) {
       return member_place(*scope, member, place);
     }
     if (const auto found = scope->located.find(expression.name); found != scope->located.end()) {
-      const auto& [device, type] = found->second;
-      if (!constants_only_) return device_place(device, type);
+      const auto& [device, type, is_constant] = found->second;
+      if (!constants_only_) return device_place(device, type, is_constant);
       return wrong("expected a constant, found the device " + device.text);
     }
   }
@@ -88,9 +95,9 @@ Place UnitCompiler::named(Expression& expression) {
   const std::size_t before = declarations_.mistakes();
   if (const GlobalInfo* const global = declarations_.global_named(name, expression.at); global != nullptr) {
     Place place{.kind = Place::Kind::global, .type = global->type, .offset = global->place};
+    place.is_constant = global->section->is_constant || is_constant_external(name);
+    if (place.is_constant) place.why_constant = expected_variable;
     if (global->section->is_constant) {
-      place.is_constant = true;
-      place.why_constant = "expected a variable, not a constant";
       if (global->type->is_scalar() && !global->located) {
         place.kind = Place::Kind::constant;
         place.value = declarations_.program().initial[global->place];
@@ -101,7 +108,7 @@ Place UnitCompiler::named(Expression& expression) {
       error(expression.at, "expected a constant, found the variable " + std::string(expression.written));
       return {};
     }
-    return global->located ? device_place(*global->located, global->type) : place;
+    return global->located ? device_place(*global->located, global->type, place.is_constant) : place;
   }
   if (declarations_.mistakes() != before) return {};
   if (const auto* const values = declarations_.enumeration_values(name); values != nullptr) {

@@ -197,6 +197,9 @@ bool has_conversion(const DataType& from, Elementary to) {
     return is_full(from.base) || is_clock(from.base) == is_clock(to) || (is_full(to) && !is_clock(from.base));
   }
   if ((f == Family::boolean && is_time(t)) || (t == Family::boolean && is_time(f))) return false;
+  // The first character of a string of the same width [IEC 61131-3 table 27].
+  if (f == Family::string && t == Family::character)
+    return program::info(from.base).bits == program::info(to).bits;
   if (f == Family::character || t == Family::character)
     return t == Family::string || f == t || t == Family::bits || f == Family::bits;
   return true;
@@ -616,7 +619,11 @@ Value UnitCompiler::standard_call(Expression& e, const DataType* want, std::uint
     const DataType* const open = natural(argument);
     if (open == nullptr) return {};
     const Elementary to = conversion->to;
+    using Verb = Conversion::Verb;
+    const bool is_bcd = conversion->verb == Verb::from_bcd || conversion->verb == Verb::to_bcd;
     const DataType* from = conversion->from ? type(*conversion->from) : resolved(open, nullptr, argument);
+    if (is_bcd && !conversion->from && open == &open_types().integer)  // a literal: BCD_TO_UINT(16#1234)
+      from = type(conversion->verb == Verb::from_bcd ? Elementary::lword : Elementary::ulint);
     if (from->is_string()) from = open;
     if (!has_conversion(*from, to)) {
       error(e.at, "there is no conversion of " + from->name + " to " + found->name);
@@ -624,10 +631,9 @@ Value UnitCompiler::standard_call(Expression& e, const DataType* want, std::uint
     }
     const Value value = expression(argument, from);
     if (value.type == nullptr) return {};
-    using Verb = Conversion::Verb;
     const Family f = program::info(value.type->base).family;
     const Family t = program::info(to).family;
-    if (conversion->verb == Verb::from_bcd || conversion->verb == Verb::to_bcd) {
+    if (is_bcd) {
       const bool is_from = conversion->verb == Verb::from_bcd;
       if (is_from ? f != Family::bits || t != Family::unsigned_integer
                   : f != Family::unsigned_integer || t != Family::bits) {

@@ -55,6 +55,7 @@ struct Expression {
   std::vector<Argument> arguments{};  ///< of a call or of fields
   ExpressionPtr enable{};  ///< EN := of a call, once the compiler has found that it is not the unit's own
   ExpressionPtr enable_output{};            ///< ENO =>
+  bool inverts_enable_output = false;       ///< NOT ENO =>
   const program::DataType* type = nullptr;  ///< found by the compiler
   bool is_typed = false;                    ///< `type` was determined
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 
 #include "canopus/ascii/words.hpp"
 #include "canopus/program/execution.hpp"
@@ -26,6 +27,33 @@ MemberKind member_kind(VariableSection::Kind kind) {
   }
   return MemberKind::local;
 }
+
+/// Labels of a CASE: each value has one branch.
+class CaseLabels {
+ public:
+  explicit CaseLabels(bool has_sign) : has_sign_(has_sign) {}
+  [[nodiscard]] bool has_sign() const noexcept { return has_sign_; }
+  /// What is wrong with the values from `low` to `high`.
+  std::optional<std::string> add(Slot low, Slot high, SourcePosition at) {
+    constexpr Slot sign = Slot{1} << 63U;
+    if (has_sign_) low ^= sign, high ^= sign;  // in this order without a sign
+    if (low > high) return "expected a first value that is not above the last one";
+    const auto next = ranges_.upper_bound(high);
+    if (next != ranges_.begin() && std::prev(next)->second.high >= low)
+      return "expected values that no other label has: line " + std::to_string(std::prev(next)->second.line) +
+             " has them already";
+    ranges_.emplace(low, Range{high, at.line});
+    return std::nullopt;
+  }
+
+ private:
+  struct Range {
+    Slot high;
+    std::uint32_t line;
+  };
+  bool has_sign_;
+  std::map<Slot, Range> ranges_;
+};
 
 }  // namespace
 
@@ -106,6 +134,34 @@ bool UnitCompiler::declare_variables() {
   return true;
 }
 
+/// Type and CONSTANT are those of the global variable; the unit may promise that it does not write it [IEC 61131-3 6.5.2.2].
+bool UnitCompiler::declare_external(const VariableSection& section, const VariableNode& node) {
+  const auto wrong = [&](SourcePosition at, std::string message) {
+    error(at, std::move(message));
+    return false;
+  };
+  const std::size_t before = declarations_.mistakes();
+  const GlobalInfo* const global = declarations_.global_named(node.name, node.at);
+  if (global == nullptr) {
+    if (declarations_.mistakes() != before) return false;
+    return wrong(node.at, "expected the name of a global variable: there is no VAR_GLOBAL " +
+                              std::string(node.written));
+  }
+  if (node.initial != nullptr)
+    return wrong(node.initial->at, "expected no initial value: its VAR_GLOBAL has it");
+  if (global->section->is_constant && !section.is_constant)
+    return wrong(node.at, "expected VAR_EXTERNAL CONSTANT: its VAR_GLOBAL is CONSTANT");
+  const DataType* const type = declarations_.type_of(*node.type, unit_);
+  if (type == nullptr) {
+    declarations_.failed();
+    return false;
+  }
+  if (!program::same_type(*type, *global->type))
+    return wrong(node.at, "expected " + global->type->name + " as in its VAR_GLOBAL, found " + type->name);
+  unit_->externals.emplace(node.name, section.is_constant);
+  return true;
+}
+
 bool UnitCompiler::declare(const VariableSection& section, const VariableNode& node) {
   const auto wrong = [&](SourcePosition at, std::string message) {
     error(at, std::move(message));
@@ -116,13 +172,7 @@ bool UnitCompiler::declare(const VariableSection& section, const VariableNode& n
       unit_->externals.contains(node.name) || (is_called() && node.name == unit_->unit->name))
     return wrong(node.at, "expected another name: " + std::string(node.written) + " is declared already");
   if (section.kind == VariableSection::Kind::external) {
-    if (declarations_.global_named(node.name, node.at) == nullptr)
-      return wrong(node.at, "expected the name of a global variable: there is no VAR_GLOBAL " +
-                                std::string(node.written));
-    if (node.initial != nullptr)
-      return wrong(node.initial->at, "expected no initial value: its VAR_GLOBAL has it");
-    unit_->externals.insert(node.name);
-    return true;
+    return declare_external(section, node);
   }
   const DataType* const type = declarations_.type_of(*node.type, unit_);
   if (type == nullptr) {
@@ -142,7 +192,7 @@ bool UnitCompiler::declare(const VariableSection& section, const VariableNode& n
       return wrong(node.location_at, "expected AT in VAR or VAR_GLOBAL alone");
     auto access = declarations_.locate(node, *type);
     if (!access) return false;
-    unit_->located.emplace(node.name, LocatedVariable{std::move(*access), type});
+    unit_->located.emplace(node.name, LocatedVariable{std::move(*access), type, section.is_constant});
     return true;
   }
   const MemberKind kind = member_kind(section.kind);
@@ -384,6 +434,8 @@ void UnitCompiler::case_(const Statement& statement) {
     std::vector<std::size_t> jumps;
   };
   std::vector<Entry> entries;
+  CaseLabels labels(program::info(selector_type->base).bits < 64 ||
+                    program::info(selector_type->base).family == Family::signed_integer);
   const Branch* otherwise = nullptr;
   for (const Branch& branch : statement.branches) {
     if (branch.labels.empty()) {
@@ -397,12 +449,13 @@ void UnitCompiler::case_(const Statement& statement) {
       body_.at = label.low->at;
       if (!declarations_.constant(*label.low, *selector_type, &low, unit_)) continue;
       if (label.high == nullptr) {
+        if (const auto wrong = labels.add(low, low, label.low->at)) error(label.low->at, *wrong);
         entry.jumps.push_back(body_.emit(Opcode::jump_eq, value.slot, body_.constant(low)));
         continue;
       }
       if (!declarations_.constant(*label.high, *selector_type, &high, unit_)) continue;
-      const bool has_sign = program::info(selector_type->base).bits < 64 ||
-                            program::info(selector_type->base).family == Family::signed_integer;
+      if (const auto wrong = labels.add(low, high, label.low->at)) error(label.low->at, *wrong);
+      const bool has_sign = labels.has_sign();
       const std::size_t below =
           body_.emit(has_sign ? Opcode::jump_lt : Opcode::jump_ltu, value.slot, body_.constant(low));
       entry.jumps.push_back(

@@ -71,6 +71,7 @@ class UnitCompiler {
  private:
   static constexpr std::uint32_t nowhere = ~std::uint32_t{0};
   static constexpr std::uint32_t this_slot = 0;  ///< in a method's frame: the place of its instance
+  static constexpr std::string_view expected_variable = "expected a variable, not a constant";
   static constexpr std::string_view expected_element =
       "expected an element of it: an array of devices is no value as a whole";
   struct Loop {
@@ -91,6 +92,7 @@ class UnitCompiler {
   // Declarations of the unit
   bool declare_variables();
   bool declare(const VariableSection& section, const VariableNode& node);
+  bool declare_external(const VariableSection& section, const VariableNode& node);
   void add_edges();
 
   // Statements
@@ -129,6 +131,10 @@ class UnitCompiler {
   Value literal(Expression& expression, const DataType* want);
   Value typed_literal(Expression& expression);
   Value string_literal(Expression& expression);
+  /// What a literal between quotes means; empty after an error.
+  std::optional<std::vector<std::uint16_t>> characters_of(const Expression& literal, std::string_view text,
+                                                          bool is_wide);
+  Value character_literal(const Expression& literal, std::string_view text, const DataType* type);
   /// Which operands are read by this instruction last, as BitOperands has it.
   [[nodiscard]] std::uint16_t uses_of(std::uint32_t b, std::uint32_t c) const;
   Value unary(Expression& expression, const DataType* want, std::uint32_t into);
@@ -158,7 +164,7 @@ class UnitCompiler {
   }
   Place member(Expression& expression);
   Place indexed(Expression& expression);
-  Place device_place(const DeviceAccess& access, const DataType* type = nullptr);
+  Place device_place(const DeviceAccess& access, const DataType* type = nullptr, bool is_constant = false);
   Place member_of(const Place& whole, const program::Member& member);
   Place element_of(Place array, Expression& index, bool is_last);
   std::optional<unsigned> partial_access(Expression& expression, const DataType& whole, Elementary& part);
@@ -166,6 +172,8 @@ class UnitCompiler {
   void store(const Place& place, Value value);
   std::uint32_t address_of(const Place& place);
   bool is_variable(std::string_view name);
+  /// VAR_EXTERNAL CONSTANT: the unit only reads the global variable.
+  [[nodiscard]] bool is_constant_external(std::string_view name) const;
   [[nodiscard]] bool is_own_function(std::string_view name) const;
 
   // Calls

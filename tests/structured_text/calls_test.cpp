@@ -63,6 +63,18 @@ TEST(Enable, CallWithEnFalse_ChangesNothingAndEnoIsFalse) {
   for (const char* name : {"P.ok", "P.ok2", "P.ok3", "P.ok4"}) EXPECT_EQ(plc.read(name), "TRUE") << name;
 }
 
+TEST(EnableOutput, BehindNot_IsInverted) {
+  Plc plc(
+      "FUNCTION_BLOCK B END_FUNCTION_BLOCK\n"
+      "PROGRAM P VAR go : BOOL; x : INT; of_function, of_block : BOOL; b : B; END_VAR\n"
+      "x := ADD(EN := go, IN1 := 1, IN2 := 2, NOT ENO => of_function); b(EN := go, NOT ENO => of_block);\n"
+      "go := TRUE; END_PROGRAM");
+  EXPECT_EQ(plc.run(), "");
+  EXPECT_EQ(plc.read("P.of_function") + plc.read("P.of_block"), "TRUETRUE");
+  EXPECT_EQ(plc.run(), "");
+  EXPECT_EQ(plc.read("P.of_function") + plc.read("P.of_block"), "FALSEFALSE");
+}
+
 TEST(Enable, ConditionWithItsEffect_IsEvaluatedThoughTheFirstOneIsFalse) {
   Plc plc(
       "PROGRAM P VAR no : BOOL; ok : BOOL; n : INT; END_VAR\n"

@@ -71,6 +71,27 @@ TEST(StructuredText, Literals_HaveTheValuesOfTheStandardsExamples) {
   });
 }
 
+TEST(StructuredText, Characters_AreLiteralsOfOneCharacterAndFirstOnesOfStrings) {
+  check({
+      {"x : CHAR;", "x := 'a';", "x", "'a'"},
+      {"x : CHAR := 'b';", ";", "x", "'b'"},
+      {"x : CHAR;", "x := '$41';", "x", "'A'"},
+      {"x : CHAR;", "x := CHAR#'$41';", "x", "'A'"},
+      {"x : CHAR;", "x := ' ';", "x", "' '"},
+      {"c : WCHAR; x : WORD;", "c := \"$20AC\"; x := WCHAR_TO_WORD(c);", "x", "16#20AC"},
+      {"c : WCHAR; x : WORD;", "c := WCHAR#\"\u20AC\"; x := WCHAR_TO_WORD(c);", "x", "16#20AC"},
+      {"a : ARRAY[1..2] OF CHAR := ['p', 'q']; x : CHAR;", "x := a[2];", "x", "'q'"},
+      {"c : CHAR := CHAR#'m'; x : BOOL;", "x := c = 'm' AND 'n' > c AND c <> 'M';", "x", "TRUE"},
+      {"x : CHAR;", "x := STRING_TO_CHAR('pqr');", "x", "'p'"},
+      {"s : STRING := '1'; x : CHAR;", "x := STRING_TO_CHAR(s);", "x", "'1'"},
+      {"s : STRING; x : BYTE;", "x := CHAR_TO_BYTE(STRING_TO_CHAR(s));", "x", "16#00"},
+      {"s : STRING := ' z'; x : CHAR;", "x := TO_CHAR(s);", "x", "' '"},
+      {"x : WORD;", "x := WCHAR_TO_WORD(WSTRING_TO_WCHAR(\"$20ACx\"));", "x", "16#20AC"},
+      {"x : CHAR;", "x := STRING_TO_CHAR(MID('canopus', 1, 3));", "x", "'n'"},
+      {"x : STRING;", "x := CONCAT(CHAR_TO_STRING('a'), 'b');", "x", "'ab'"},
+  });
+}
+
 TEST(StructuredText, InitialValues_AreThoseOfTheStandardOrOfTheDeclaration) {
   check({
       {"x : BOOL;", ";", "x", "FALSE"},
