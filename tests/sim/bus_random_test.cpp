@@ -40,6 +40,27 @@ TEST(BusRandom, ACorruptionAtAPortBehindACut_LeavesTheOtherWireAlone) {
             "");
 }
 
+TEST(BusRandom, AFrameThatLeavesTheWireWithinItsCorruptedSof_LeavesNothing) {
+  EXPECT_EQ(complaints_of({.stations = 4,
+                           .faults = {104},
+                           .steps = {{.act = Act::send, .station = 6},
+                                     {.act = Act::unplug, .station = 6},
+                                     {.act = Act::plug, .station = 11, .gap_in_64th_bits = 5907}}}),
+            "");
+}
+
+TEST(BusRandom, APortThatIsMovedAtTheEndOfItsIntermission_BeginsItsFrame) {
+  EXPECT_EQ(complaints_of({.bit_rate = 125'000,
+                           .stations = 2,
+                           .faults = {229, 1174, 1794},
+                           .steps = {{.act = Act::abort, .station = 4, .gap_in_64th_bits = 33},
+                                     {.act = Act::send, .station = 3, .value = 1569, .gap_in_64th_bits = 36},
+                                     {.act = Act::send, .station = 1, .value = 13223},
+                                     {.act = Act::send, .station = 12},
+                                     {.act = Act::unplug, .station = 13, .gap_in_64th_bits = 29667}}}),
+            "");
+}
+
 TEST(BusRandom, EdgesANanosecondApart_AreSampledAtTheSameMoments) {
   EXPECT_EQ(complaints_of(
                 {.bit_rate = 500'000,

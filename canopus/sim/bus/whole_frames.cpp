@@ -38,6 +38,7 @@ void WholeFrames::update_members(bool allowed) {
 bool WholeFrames::start(can::Time now) {
   WireState& wire = wire_;
   BusCore& core = wire.core;
+  is_after_frame_ = false;
   if (wire.suspension.port != nullptr && now >= wire.suspension.until) end_suspension();
   const std::uint64_t winner = wire.arbiter.lowest();
   if (winner == Arbiter::none) {
@@ -114,6 +115,7 @@ void WholeFrames::finish(can::Time now) {
   wire.count_busy(start_, next, bits_ + can::intermission_bits);
   if (!counting_.empty()) count_success(port);
   become_idle(next);
+  is_after_frame_ = true;
   if (!port.faults.clean() && port.faults.state() == can::ErrorState::error_passive) {
     suspend(port, next + can::bit_time(suspend_bits, port.rate));
   }
@@ -199,6 +201,7 @@ void WholeFrames::fail_lone(can::Time now) {
   wire.arbiter.set(port.index, port.offer());
   wire.count_busy(start_, end, bits_ - after_ack_slot + bits);
   become_idle(next);
+  is_after_frame_ = true;
   for (can::BusObserver* observer : core.observers) {
     observer->error_detected(port, BusError::acknowledgement, now);
   }
@@ -221,10 +224,13 @@ WireHandover WholeFrames::leave(can::Time now) {
   WireState& wire = wire_;
   WireHandover handover{.transmitter = transmitter_};
   const bool on_wire = wire.mode == Mode::frame || wire.mode == Mode::lone_frame;
-  const bool is_suspended = wire.suspension.port != nullptr && now < wire.suspension.until;
+  // At the very end of an intermission the controllers are at the end of a bit, too, and not in the midst of idling: a dominant
+  // level does not wake them, and they may begin a frame.
+  const bool is_in_intermission = now < wire.free_from || (is_after_frame_ && now == wire.free_from);
+  const bool is_suspended = wire.suspension.port != nullptr && now <= wire.suspension.until;
   if (wire.suspension.port != nullptr) end_suspension();
   wire.mode = Mode::bits;
-  if (on_wire || (lone_frame_failed_ && now < wire.free_from)) {
+  if (on_wire || (lone_frame_failed_ && is_in_intermission)) {
     handover.kind = on_wire ? WireHandover::Kind::frame : WireHandover::Kind::failed_lone_frame;
     handover.start = start_;
     handover.suspended = suspended_at_start_;
@@ -233,7 +239,7 @@ WireHandover WholeFrames::leave(can::Time now) {
     transmitter_->faults = counters_before_failure_;
     lone_frame_failed_ = false;
     wire.free_from = now;
-  } else if (now < wire.free_from || is_suspended) {
+  } else if (is_in_intermission || is_suspended) {
     handover.kind = WireHandover::Kind::intermission;
     handover.start = wire.free_from - can::bit_time(can::intermission_bits, transmitter_->rate);
     handover.counted_until = wire.free_from;
@@ -256,6 +262,7 @@ void WholeFrames::resume(can::Time now) {
   std::ranges::copy_if(wire_.members, std::back_inserter(counting_),
                        [](const BusPort* port) { return !port->faults.clean(); });
   become_idle(std::max(wire_.free_from, now));
+  is_after_frame_ = false;
 }
 
 /// What the port offered when the frame began that is on the wire now.

@@ -72,6 +72,7 @@ class WholeFrames {
   bool lone_ = false;               // so can the failures of the only member
   std::vector<BusPort*> counting_;  // the members with an error counter that is not 0
   bool lone_frame_failed_ = false;  // transmitter_ was alone with its last frame
+  bool is_after_frame_ = false;     // the wire is free from the end of an intermission on
   can::FaultConfinement counters_before_failure_;
   unsigned bits_ = 0;                       // of the frame on the wire
   can::Time start_{};                       // likewise
