@@ -213,7 +213,7 @@ class Parser {
         advance();
         expect(":");
         declaration.type = type();
-        if (!is_lost_ && accept(":=")) declaration.initial = initial_value();
+        if (!is_lost_ && accept(":=")) declaration.initial = initial_value_of(*declaration.type);
         const bool is_struct = declaration.type->kind == TypeNode::Kind::structure;
         if (!is_lost_ && !accept(";") && !is_struct) error("expected ;");
       }
@@ -307,7 +307,7 @@ class Parser {
         edge = VariableNode::Edge::falling;
       }
     }
-    if (!is_lost_ && accept(":=")) initial = initial_value();
+    if (!is_lost_ && accept(":=")) initial = initial_value_of(*shared);
     if (!is_lost_) expect(";");
     for (std::size_t i = first; i < to.size(); ++i) {
       to[i].type = shared;
@@ -364,6 +364,10 @@ class Parser {
       }
       return found;
     }
+    if (is("REF_TO") || ((is("POINTER") || is("REFERENCE")) && matches(ahead(1), "TO"))) {
+      error("expected a type: there are no pointers and references, VAR_IN_OUT hands a variable over");
+      return found;
+    }
     if (!is_name()) {
       error("expected a type");
       return found;
@@ -409,6 +413,37 @@ class Parser {
     return found;
   }
 
+  /// Of an array also without brackets, as in the second edition of the standard: 1, 2, 3(0).
+  ExpressionPtr initial_value_of(const TypeNode& type) {
+    if (type.kind != TypeNode::Kind::array || is("[")) return initial_value();
+    auto found = std::make_unique<Expression>();
+    found->kind = Expr::list;
+    found->at = now().at;
+    elements(*found);
+    return found;
+  }
+
+  /// 1, 2, 3(0)
+  void elements(Expression& list) {
+    do {
+      if (is("]")) break;
+      if (now().kind == Kind::integer && matches(ahead(1), "(")) {
+        auto repeat = std::make_unique<Expression>();
+        repeat->kind = Expr::repeat;
+        repeat->at = now().at;
+        repeat->number = now().number;
+        advance();
+        advance();
+        do repeat->children.push_back(initial_value());
+        while (!is_lost_ && accept(","));
+        expect(")");
+        list.children.push_back(std::move(repeat));
+      } else {
+        list.children.push_back(initial_value());
+      }
+    } while (!is_lost_ && accept(","));
+  }
+
   ExpressionPtr initial_value() {
     const Nesting nesting(*this);
     auto found = std::make_unique<Expression>();
@@ -416,23 +451,7 @@ class Parser {
     if (nesting.is_too_deep()) return found;
     if (accept("[")) {
       found->kind = Expr::list;
-      do {
-        if (is("]")) break;
-        if (now().kind == Kind::integer && matches(ahead(1), "(")) {
-          auto repeat = std::make_unique<Expression>();
-          repeat->kind = Expr::repeat;
-          repeat->at = now().at;
-          repeat->number = now().number;
-          advance();
-          advance();
-          do repeat->children.push_back(initial_value());
-          while (!is_lost_ && accept(","));
-          expect(")");
-          found->children.push_back(std::move(repeat));
-        } else {
-          found->children.push_back(initial_value());
-        }
-      } while (!is_lost_ && accept(","));
+      if (!is("]")) elements(*found);
       expect("]");
       return found;
     }

@@ -107,6 +107,8 @@ TEST(StructuredText, InitialValues_AreThoseOfTheStandardOrOfTheDeclaration) {
       {"x : LREAL := 1 / 4;", ";", "x", "0.0"},
       {"x : ARRAY[1..3] OF INT := [1, 2];", ";", "x", "[1, 2, 0]"},
       {"x : ARRAY[0..4] OF INT := [2(7), 3(1)];", ";", "x", "[7, 7, 1, 1, 1]"},
+      {"x : ARRAY[0..3] OF INT := 1, 2;", ";", "x", "[1, 2, 0, 0]"},
+      {"x : ARRAY[0..4] OF INT := 2(7), 1, 2(0);", ";", "x", "[7, 7, 1, 0, 0]"},
       {"x : ARRAY[1..2, 1..3] OF INT := [1, 2, 3, 4, 5, 6];", ";", "x", "[[1, 2, 3], [4, 5, 6]]"},
       {"x : ARRAY[1..2] OF ARRAY[1..2] OF INT := [[1, 2], [3, 4]];", ";", "x", "[[1, 2], [3, 4]]"},
       {"x : (red, green, blue);", ";", "x", "red"},
