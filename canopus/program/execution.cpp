@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include "canopus/program/linked_code.hpp"
+#include "canopus/program/standard_timer.hpp"
 
 // The dispatch goes from the end of one instruction straight to the next one's code: labels as values, which g++ and clang++ have.
 #pragma GCC diagnostic push
@@ -644,6 +645,36 @@ element_address_store_at : {
   memory[A + at->c] = B;
   NEXT();
 }
+enter:
+  if (depth == callers.size()) goto too_deep;
+  callers[depth++] = {at + 1, r};
+  budget -= at->c;
+  if (budget < 0) goto too_long;
+  r = memory + at->a;
+  at = code + at->b;
+  goto* labels[static_cast<std::size_t>(at->code)];
+store_at_enter_block:
+  memory[A + at->c] = B, ++at;
+enter_block:
+  if (depth == callers.size()) goto too_deep;
+  callers[depth++] = {at + 1, r};
+  budget -= at->c;
+  if (budget < 0) goto too_long;
+  r = memory + A;
+  at = code + at->b;
+  goto* labels[static_cast<std::size_t>(at->code)];
+eq_bit_or:
+  A = B == C, ++at;
+  A = B | C;
+  NEXT();
+move_move_on_delay:
+  A = B, ++at;
+  A = B, ++at;
+on_delay:
+  reinterpret_cast<Timer*>(r + at->b)->run_on_delay(x.now);
+  budget -= NativeCall::usual_cost;
+  if (budget < 0) goto too_long;
+  NEXT();
 element_address_load_at : {
   const ElementAccess& array = elements[at->c];
   const std::int64_t index = as_int(B);

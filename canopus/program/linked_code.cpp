@@ -4,6 +4,8 @@
 #include <bit>
 #include <optional>
 
+#include "canopus/program/standard_timer.hpp"
+
 namespace canopus::program {
 
 namespace {
@@ -66,6 +68,13 @@ std::optional<Instruction> linked_write(const Instruction& original, const Devic
     case 4: return with_pointer(Opcode::store_64, 0, original.b, at.words);
     default: return std::nullopt;
   }
+}
+
+Instruction linked_call(const Instruction& original, const Program& program) {
+  const bool is_block = original.code == Opcode::call_block;
+  const Function& function = program.functions[is_block ? original.b : original.a];
+  return {is_block ? Opcode::enter_block : Opcode::enter, 0, is_block ? original.a : function.frame,
+          function.entry, function.instructions};
 }
 
 // Bits
@@ -229,21 +238,32 @@ const std::vector<Row>& rows() {
       {eq_jump_unless, {eq, jump_unless}},
       {lt_jump_unless, {lt, jump_unless}},
       {move_move, {move, move}},
+      {move_move_on_delay, {move, move, on_delay}},
       {element_address_store_at, {element_address, store_at}},
+      {store_at_enter_block, {store_at, enter_block}},
+      {eq_bit_or, {eq, bit_or}},
       {element_address_load_at, {element_address, load_at}},
   };
   return all;
 }
 
-/// A jump to another one on the same condition goes where that one goes.
+constexpr bool is_jump(Opcode code) noexcept {
+  using enum Opcode;
+  return code == jump || (code >= jump_if && code <= jump_leu);
+}
+
+/// A jump to another one, or to one on the same condition, goes where that one goes; one to the end of a function is that end.
 void shorten_jumps(std::span<Instruction> code, std::span<const std::uint32_t> frames) {
   for (std::size_t at = code.size(); at-- > 0;) {
     Instruction& jump = code[at];
-    if (jump.code != Opcode::jump_unless || static_cast<std::int32_t>(jump.c) <= 0) continue;
+    if (!is_jump(jump.code) || static_cast<std::int32_t>(jump.c) <= 0) continue;
     const std::size_t to = at + jump.c;
-    if (to < code.size() && code[to].code == Opcode::jump_unless && code[to].a == jump.a &&
-        frames[to] == frames[at])
+    if (to >= code.size() || frames[to] != frames[at]) continue;
+    const bool is_of_same =
+        jump.code == Opcode::jump_unless && code[to].code == Opcode::jump_unless && code[to].a == jump.a;
+    if ((code[to].code == Opcode::jump && static_cast<std::int32_t>(code[to].c) > 0) || is_of_same)
       jump.c += code[to].c;
+    if (jump.code == Opcode::jump && code[at + jump.c].code == Opcode::return_) jump = code[at + jump.c];
   }
 }
 
@@ -264,6 +284,8 @@ void LinkedCode::link(const Program& program, std::span<Slot> memory, DeviceImag
     if (each.code == Opcode::write_device)
       linked = linked_write(each, program.devices[each.a], device_memory_[each.a]);
     if (linked) each = *linked;
+    if (each.code == Opcode::call || each.code == Opcode::call_block) each = linked_call(each, program);
+    if (each.code == Opcode::native && program.natives[each.a] == on_delay) each.code = Opcode::on_delay;
   }
   const std::vector<std::uint32_t> frames = frames_of(program);
   shorten_jumps(code_, frames);

@@ -1,7 +1,7 @@
 #pragma once
 // The code of a program as one machine executes it: with the places of its variables and of its CPU's devices in memory in place of their
 // numbers, and with runs of instructions on bits as one. It does to variables and devices what Program::code does, which stays the
-// reference (tests/program/linked_code_test.cpp).
+// reference (tests/plc/linked_code_test.cpp).
 //
 // An instruction stands where its original does. One that does the work of several stands in place of the first, and goes on behind the
 // last; the others stay, for jumps to them. Positions in the source, breaks and what a break halts are therefore the same for both.

@@ -43,7 +43,11 @@
   CANOPUS_EACH_OPCODE(load_le_move) \
   CANOPUS_EACH_OPCODE(load_bit_jump_unless) CANOPUS_EACH_OPCODE(load_bit_jump_if) \
   CANOPUS_EACH_OPCODE(move_move) CANOPUS_EACH_OPCODE(eq_jump_unless) CANOPUS_EACH_OPCODE(lt_jump_unless) \
-  CANOPUS_EACH_OPCODE(element_address_store_at) CANOPUS_EACH_OPCODE(element_address_load_at)
+  CANOPUS_EACH_OPCODE(element_address_store_at) CANOPUS_EACH_OPCODE(store_at_enter_block) CANOPUS_EACH_OPCODE(eq_bit_or) \
+  CANOPUS_EACH_OPCODE(enter) /* call: the frame is a, the code begins at b and has c instructions */ \
+  CANOPUS_EACH_OPCODE(enter_block) /* call_block: the frame is at [a] of the memory, the code as of enter */ \
+  CANOPUS_EACH_OPCODE(on_delay) /* native, of TON */ CANOPUS_EACH_OPCODE(move_move_on_delay) \
+  CANOPUS_EACH_OPCODE(element_address_load_at)
 
 #define CANOPUS_OPCODES \
   CANOPUS_EACH_OPCODE(end)           /* of the program */ \

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "canopus/program/standard_functions.hpp"
+#include "canopus/program/standard_timer.hpp"
 
 namespace canopus::program {
 
@@ -107,35 +108,7 @@ bool count_both(NativeCall& call) {  // CU CD R LD PV QU QD CV, CU and CD before
   return true;
 }
 
-/// A timer: IN PT Q ET, since when, IN before, whether it runs.
-struct Timer {
-  Slot in, preset, q, elapsed, since, before, is_running;
-
-  [[nodiscard]] std::int64_t run(std::int64_t now) {
-    const std::int64_t most = std::max(static_cast<std::int64_t>(preset), std::int64_t{0});
-    const std::int64_t time = std::clamp(now - static_cast<std::int64_t>(since), std::int64_t{0}, most);
-    elapsed = static_cast<Slot>(time);
-    return most - time;
-  }
-  void start(std::int64_t now) {
-    since = static_cast<Slot>(now);
-    is_running = 1;
-  }
-};
-
 Timer& timer_of(NativeCall& call) { return *reinterpret_cast<Timer*>(call.slots); }
-
-bool on_delay(NativeCall& call) {
-  Timer& t = timer_of(call);
-  if (t.in == 0) {
-    t.q = t.elapsed = t.before = 0;
-    return true;
-  }
-  if (t.before == 0) t.start(call.now);
-  t.before = 1;
-  if (t.q == 0) t.q = t.run(call.now) == 0 ? 1 : 0;
-  return true;
-}
 
 bool off_delay(NativeCall& call) {
   Timer& t = timer_of(call);
@@ -231,6 +204,11 @@ constexpr std::array blocks = {
 };
 
 }  // namespace
+
+bool on_delay(NativeCall& call) {
+  timer_of(call).run_on_delay(call.now);
+  return true;
+}
 
 std::span<const StandardBlock> standard_blocks() noexcept { return blocks; }
 
