@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -122,6 +123,47 @@ TEST_F(BusFaults, Corrupt_LastsToTheEndOfItsBitWhateverHappensOnTheBusMeanwhile)
   c.port.restart(1'000'000);
   timeline.run_until(Time(103us));
   EXPECT_EQ(edges.at, (std::vector<Time>{Time(100us), Time(101us), Time(102us)}));
+}
+
+struct Errors final : BusObserver {
+  void frame_completed(const Frame&, Time, Time) override {}
+  void error_detected(const Port& port, BusError error, Time now) override {
+    all.push_back(port.name() + " " + std::string(can::name(error)) + " at " +
+                  std::to_string(now.time_since_epoch().count()));
+  }
+  std::vector<std::string> all;
+};
+
+/// A fault inverts the SOF, and its sender is unplugged as it begins: the bit is dominant, as nothing is driven. Returns the errors
+/// that the other stations find in what they take for a frame.
+std::vector<std::string> errors_of_a_corrupted_start_of_frame(unsigned receivers, bool is_watched) {
+  can::Timeline timeline;
+  Bus bus("main", 1'000'000, timeline);
+  Station sender(bus, timeline, "sender");
+  std::vector<std::unique_ptr<Station>> others;
+  for (unsigned number = 0; number < receivers; ++number)
+    others.push_back(std::make_unique<Station>(bus, timeline, std::to_string(number)));
+  Errors errors;
+  NeedsBits bits;
+  bus.add_observer(static_cast<BusObserver&>(errors));
+  if (is_watched) bus.add_observer(bits);
+  EXPECT_TRUE(bus.set_faults({{.kind = FaultKind::corrupt, .count = 1, .bit = 0}}, 1).has_value());
+  sender.send_at(Time(100us), data_frame(0x100));
+  timeline.run_until(Time(100us));
+  sender.port.plug(false);
+  timeline.run_until(Time(1ms));
+  if (is_watched) bus.remove_observer(bits);
+  return errors.all;
+}
+
+// Six recessive bits behind it are an error of stuffing, at the sample point of the sixth.
+TEST_F(BusFaults, Corrupt_OfAStartOfFrameWhoseSenderIsUnplugged_IsAStartOfFrameForTheOthers) {
+  const std::vector<std::string> of_one = {"0 stuff at 106875"};
+  EXPECT_EQ(errors_of_a_corrupted_start_of_frame(1, false), of_one);
+  EXPECT_EQ(errors_of_a_corrupted_start_of_frame(1, true), of_one);
+  const std::vector<std::string> of_two = {"0 stuff at 106875", "1 stuff at 106875"};
+  EXPECT_EQ(errors_of_a_corrupted_start_of_frame(2, false), of_two);
+  EXPECT_EQ(errors_of_a_corrupted_start_of_frame(2, true), of_two);
 }
 
 /// A dominant level that one station alone sees in the second bit of the intermission makes it send an overload flag, which the

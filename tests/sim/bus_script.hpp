@@ -2,6 +2,7 @@
 // Random scripts of what can happen on a bus, at times to the nanosecond.
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <functional>
 #include <memory>
@@ -127,6 +128,11 @@ inline rc::Gen<Script> script(bool rough) {
     script.steps = *rc::gen::container<std::vector<Step>>(step(rough));
     return script;
   });
+}
+
+/// The script of this seed, whatever was tried before it. Their sizes go round.
+inline Script script_of(std::uint64_t seed, bool rough) {
+  return script(rough)(rc::Random(seed), static_cast<int>(1 + seed % 100)).value();
 }
 
 }  // namespace canopus::sim::random_script

@@ -158,14 +158,13 @@ bool BitwiseWire::end_bits(can::Time now) {
       std::ranges::any_of(lockstep_.leaders(), [](const BusPort* port) { return port->bits.quiet(); }))
     lockstep_.split_lockstep();
   if (dominant_ || !is_quiet(now)) return false;
-  // Also those of a frame that left the wire within its SOF, before any port saw it.
-  if (!wire_.faults_ready) wire_.clear_faults();
   if (active_) {
     active_ = false;
     has_error_frame_ = false;
+    if (!wire_.faults_ready) wire_.clear_faults();
     count_activity(now);
   }
-  return true;
+  return !levels_.is_corrupted(now);
 }
 
 void BitwiseWire::run_bits(can::Time now) {

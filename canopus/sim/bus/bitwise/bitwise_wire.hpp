@@ -42,8 +42,8 @@ class BitwiseWire {
   void leave(can::Time now);
 
   // A tick, in two steps:
-  /// Ends the bits that end now, and delivers frames that are complete. True: nothing is on the wire, and no controller is
-  /// within a frame or a bit.
+  /// Ends the bits that end now, and delivers frames that are complete. True: nothing is on the wire, not even the corruption of a
+  /// SOF whose sender has left it, and no controller is within a frame or a bit.
   bool end_bits(can::Time now);
   /// Begins and samples the bits that begin or are sampled now, frames among them, and sets WireState::deadline.
   void run_bits(can::Time now);

@@ -63,6 +63,11 @@ bool WireLevels::is_inverted(const BusPort* at, can::Time now) const noexcept {
   return inverts;
 }
 
+bool WireLevels::is_corrupted(can::Time now) const noexcept {
+  return std::ranges::any_of(corruptions(wire_.faults),
+                             [&](const auto& corruption) { return is_at_work(corruption, now); });
+}
+
 can::Time WireLevels::undisturbed_until(can::Time from) const noexcept {
   can::Time until = can::never;
   for (const FrameFaults::Corruption& corruption : corruptions(wire_.faults)) {

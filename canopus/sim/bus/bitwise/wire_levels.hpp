@@ -56,6 +56,8 @@ class WireLevels {
     const can::Time begin = frame_start_ + bit_ * corruption.bit;
     return now >= begin && now < begin + bit_;
   }
+  /// Some corruption does.
+  [[nodiscard]] bool is_corrupted(can::Time now) const noexcept;
   /// By its termination the wire stays dominant for a time that has an end.
   [[nodiscard]] bool is_held() const noexcept { return released_ != can::never; }
 
