@@ -3,7 +3,7 @@ the module; the tool's own reading is no witness of its writing."""
 import json
 import re
 
-from configure_checks import DEVICE, project, state, stop_cpu, tool
+from configure_checks import DEVICE, state, stop_cpu, tool
 from kit import ROOT, check, command, covers, host_port, program, require, running, scratch
 from module_checks import me3can1q  # its words, signals and commands are the same
 from canopus_plc import Plc  # noqa: E402

@@ -12,7 +12,7 @@ import termios
 import time
 
 from docs_checks import blocks
-from kit import PATIENCE, ROOT, check, first_plant_file, program, require, until
+from kit import PATIENCE, ROOT, check, first_plant_file, program, require
 
 sys.path.append(str(ROOT / "python"))
 from canopus_plc import Plc  # noqa: E402

@@ -7,7 +7,7 @@ import socket
 import struct
 
 from kit import PATIENCE, check, first_plant_file, command, program, require, running, running_page, scratch, until
-from web_checks import PageClient, Watcher, ask, page_of, page_with_key
+from web_checks import PageClient, Watcher, ask, page_of
 from web_project_checks import DEVICES, new_project
 
 

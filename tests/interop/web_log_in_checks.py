@@ -14,7 +14,6 @@ import shutil
 import socket
 import stat
 import struct
-import subprocess
 import termios
 import threading
 import time

@@ -1,7 +1,6 @@
 """Checks of the page of a project: `canopus web`, and projects of a running plant's buses."""
 import json
 import os
-import pathlib
 import re
 import shutil
 import socket
