@@ -392,13 +392,15 @@ def node_modules():
         build_crc()
 
 
-def page_tool(*words):
-    """tools/page. Checks run side by side, and its npm packages are those of all."""
+def page_tool(*words, is_needed=lambda: True):
+    """tools/page, if it is still needed when it is this check's turn: checks run side by side, and its npm packages are those of all."""
     for tool in ("node", "npm"):
         if not shutil.which(tool):
             raise Skip(f"{tool} is not installed")
     unreachable = scratch.path.parent / "page-unreachable"  # said by another check of this run
     with node_packages.one_at_a_time(ROOT / "canopus/web/page"):
+        if not is_needed():
+            return None
         if not unreachable.exists():
             try:
                 return command(ROOT / "tools/page", *words, timeout=PAGE_PATIENCE)
@@ -410,10 +412,16 @@ def page_tool(*words):
 
 
 def page_files():
-    """The files of the page beside the program, where `./check` has built them; else they are built now."""
+    """The files of the page beside the program; they are built now if they are missing or older than their sources."""
     folder = pathlib.Path(program).resolve().parent / "page"
-    if not (folder / "index.html").is_file():
-        page_tool(folder)
+    made = folder / "packages.json"  # written last
+    sources = ROOT / "canopus/web/page"
+
+    def is_old():
+        return not made.is_file() or node_packages.is_newer(sources, made, but=("node_modules", "test"))
+
+    if is_old():
+        page_tool(folder, is_needed=is_old)
     return folder
 
 

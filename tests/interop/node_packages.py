@@ -14,6 +14,17 @@ def one_at_a_time(folder):
         yield
 
 
+def is_newer(folder, made, but=("node_modules",)):
+    """Whether a file below `folder` was changed after the file `made`. Subfolders of the names `but` do not count."""
+    for entry in folder.iterdir():
+        if entry.is_dir():
+            if entry.name not in but and is_newer(entry, made, but):
+                return True
+        elif entry.stat().st_mtime_ns > made.stat().st_mtime_ns:
+            return True
+    return False
+
+
 class NoRegistry(Exception):
     """The npm registry cannot be reached."""
 

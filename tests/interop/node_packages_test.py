@@ -1,5 +1,6 @@
 """The npm packages of the checks are installed once, and again where other versions are wanted."""
 import json
+import os
 import pathlib
 import sys
 
@@ -82,3 +83,17 @@ def test_the_next_run_tries_an_install_again(tmp_path, run_folder):
     next_run.mkdir()
     node_packages.install(tmp_path, next_run, npm)
     assert node_packages.is_installed(tmp_path)
+
+
+def test_a_file_is_old_when_one_of_its_sources_was_changed_after_it(tmp_path):
+    source, made = tmp_path / "page", tmp_path / "packages.json"
+    for file in (source / "index.html", source / "src/main.ts", source / "test/views.test.ts", made):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text("")
+        os.utime(file, (1000, 1000))
+    os.utime(made, (2000, 2000))
+    assert not node_packages.is_newer(source, made)
+    os.utime(source / "test/views.test.ts", (3000, 3000))
+    assert node_packages.is_newer(source, made) and not node_packages.is_newer(source, made, but=("test",))
+    os.utime(source / "src/main.ts", (3000, 3000))
+    assert node_packages.is_newer(source, made, but=("test",))
