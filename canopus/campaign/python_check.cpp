@@ -187,16 +187,6 @@ class PythonProcess {
   bool is_open_ = true;
 };
 
-/// The event printer's output, line by line into a process.
-class LinesTo final : public text::Output {
- public:
-  explicit LinesTo(PythonProcess& process) : process_(process) {}
-
- private:
-  void write(std::string_view text) override { process_.write(text); }
-  PythonProcess& process_;
-};
-
 class PythonInvariant final : public InvariantCheck {
  public:
   PythonInvariant(const Invariant& invariant, RunResult& result, std::string path)
@@ -242,15 +232,14 @@ class PythonInvariant final : public InvariantCheck {
   plant::JsonPrinter& printer() {
     if (process_ == nullptr) {
       process_ = std::make_unique<PythonProcess>(path_, invariant().function, false);
-      lines_ = std::make_unique<LinesTo>(*process_);
-      printer_ = std::make_unique<plant::JsonPrinter>(*lines_);
+      printer_ = std::make_unique<plant::JsonPrinter>(lines_);
     }
     return *printer_;
   }
 
   std::string path_;
   std::unique_ptr<PythonProcess> process_;
-  std::unique_ptr<LinesTo> lines_;
+  text::FunctionOutput lines_{[this](std::string_view line) { process_->write(line); }};
   std::unique_ptr<plant::JsonPrinter> printer_;
 };
 

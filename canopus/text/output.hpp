@@ -6,10 +6,12 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -111,6 +113,16 @@ class TextOutput final : public Output {
  private:
   void write(std::string_view text) override { text_ += text; }
   std::string text_;
+};
+
+/// Calls a function with what is printed.
+class FunctionOutput final : public Output {
+ public:
+  explicit FunctionOutput(std::function<void(std::string_view)> write) : write_(std::move(write)) {}
+
+ private:
+  void write(std::string_view text) override { write_(text); }
+  std::function<void(std::string_view)> write_;
 };
 
 /// The first hundred in the order of the file, and how many more there are.

@@ -33,20 +33,12 @@ class WebEvents {
   [[nodiscard]] std::string lost(std::uint64_t events) const;
 
  private:
-  class Lines final : public text::Output {
-   public:
-    explicit Lines(WebEvents& events) : events_(events) {}
-
-   private:
-    void write(std::string_view text) override { events_.add(text); }
-    WebEvents& events_;
-  };
   void add(std::string_view line);
 
   static constexpr std::size_t most_kept = 500;
   std::function<void(std::string_view)> listener_;
   std::deque<std::string> early_;  // before there was a listener
-  Lines lines_{*this};
+  text::FunctionOutput lines_{[this](std::string_view line) { add(line); }};
   plant::JsonPrinter json_{lines_};
   ObserverPair pair_;
   WebBoots boots_;
