@@ -87,6 +87,17 @@ TEST(NotOperational, NamesTheNodesAndTheirStates) {
               ElementsAre("line1 node 3 (device) is stopped", "line1 node 4 (device) is off"));
 }
 
+TEST(NotOperational, ASlaveThatIsNotStartedHasTheSlaveThatFailedAsItsReason) {
+  plant::SlaveBoot boot{.slave = {"line1", "device", 3}, .master = {"line1", "master", 1}, .record = {}};
+  boot.record.step = manager::BootStep::booted;
+  EXPECT_THAT(not_operational(down, {boot}, at(1s)), ElementsAre("line1 node 3 (device) is pre-operational"));
+  boot.record.halted_by = 5;
+  EXPECT_THAT(
+      not_operational(down, {boot}, at(1s)),
+      ElementsAre("line1 node 3 (device) is pre-operational: booted, 1.0 s ago. Not started: the boot of the "
+                  "mandatory slave 5 failed, which ended the start-up."));
+}
+
 struct Said {
   int code;
   std::string out, error;

@@ -60,6 +60,32 @@ TEST_F(StartUp, NothingAssigned_StartNodesSingly_HasNobodyToStart) {
   EXPECT_EQ(node.state(), NmtState::operational);
 }
 
+TEST_F(StartUp, MandatorySlaveFails_SlavesThatAreNotStarted_NameIt) {
+  object(0x1F80, 0, 0x03);  // all at once, when all mandatory slaves are booted
+  object(0x1F81, 2, optional);
+  object(0x1F81, 3, mandatory);
+  object(0x1F81, 4, optional);
+  object(0x1F84, 3, 0x000F0192);
+  slave(2);
+  slave(3);
+  object(0x1F89, 0, 10000);
+  switch_on();
+  run_for(20s);
+  ASSERT_TRUE(master.halted());
+  EXPECT_EQ(master.boot_record(2).step, BootStep::booted);
+  EXPECT_EQ(master.boot_record(2).halted_by, 3);
+  EXPECT_THAT(explain(master.boot_record(2), now),
+              HasSubstr("Not started: the boot of the mandatory slave 3 failed, which ended the start-up."));
+  EXPECT_EQ(master.boot_record(3).halted_by, 0) << "it has a reason of its own";
+  EXPECT_EQ(master.boot_record(4).step, BootStep::idle) << "it does not answer; its boot was given up";
+  EXPECT_EQ(master.boot_record(4).halted_by, 3);
+  ASSERT_TRUE(slaves.back().objects.contains({0x1000, 0}));
+  object(0x1F84, 3, 0x000F0191);
+  node.command(canopen::NmtCommand::reset_communication, now);
+  run_for(1s);
+  EXPECT_EQ(master.boot_record(2).halted_by, 0) << "a new start-up";
+}
+
 TEST_F(StartUp, MandatorySlave_IsIdentifiedAndStarted_ThenTheMasterBecomesOperational) {
   object(0x1F80, 0, 0x01);
   object(0x1F81, 2, mandatory);

@@ -25,11 +25,14 @@ std::vector<std::string> not_operational(const std::vector<plant::NodeStatus>& n
   const auto booting = [](const plant::SlaveBoot& boot) {
     return boot.record.step != manager::BootStep::booted && boot.record.step != manager::BootStep::idle;
   };
+  const auto has_reason = [&](const plant::SlaveBoot& boot) {
+    return booting(boot) || boot.record.halted_by != 0;
+  };
   for (const plant::NodeStatus& node : nodes) {
     if (in_operation(node)) continue;
     std::string text = fmt::format("{} is {}", describe(node.label), condition_name(node));
     for (const plant::SlaveBoot& boot : boots) {
-      if (same_node(boot.slave, node.label) && booting(boot))
+      if (same_node(boot.slave, node.label) && has_reason(boot))
         text += ": " + manager::explain(boot.record, now);
     }
     lines.push_back(std::move(text));

@@ -222,8 +222,12 @@ class Entries {
     return found == all_.end() ? nullptr : &*found;
   }
   void add_boot(const plant::SlaveBoot& boot) {
-    if (boot.record.step == manager::BootStep::booted) return;
     const auto key = std::pair(boot.slave.bus, boot.slave.node_id);
+    if (boot.record.step == manager::BootStep::booted) {
+      const auto found = places_.find(key);
+      const plant::NodeStatus* const status = found == places_.end() ? nullptr : all_[found->second].status;
+      if (boot.record.halted_by == 0 || status == nullptr || in_operation(*status)) return;
+    }
     const auto [place, is_new] = places_.emplace(key, all_.size());
     if (is_new) all_.push_back({.label = boot.slave, .reasons = {}});
     const bool failed = boot.record.step == manager::BootStep::failed;

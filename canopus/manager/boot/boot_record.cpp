@@ -251,6 +251,10 @@ std::string explain(const BootRecord& record, can::Time now) {
     text += has_ended ? ", " + std::string(duration) + " s ago" : ", for " + std::string(duration) + " s";
   }
   text += ".";
+  if (record.halted_by != 0) {
+    text += " Not started: the boot of the mandatory slave " + std::to_string(record.halted_by) +
+            " failed, which ended the start-up.";
+  }
   const std::string more = advice(record);
   return more.empty() ? text : text + " " + more;
 }

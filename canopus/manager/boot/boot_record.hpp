@@ -108,6 +108,9 @@ struct BootRecord {
   canopen::AbortCode abort_code = canopen::AbortCode::none;  ///< of the last SDO; timed_out: no answer
   std::uint8_t answer_length = whole_answer;  ///< of the last SDO's answer; fewer bytes: it failed for that
   WrongBitRate wrong_bit_rate{};
+  /// The mandatory slave whose failed boot ended the start-up before this slave was started; 0: none. The step is then
+  /// `booted`, or `idle` if this boot was given up.
+  std::uint8_t halted_by = 0;
 };
 
 /// Where the boot is, in a few words: "checking its identity, 1018:02", "failed (D, vendor-ID differs from

@@ -38,6 +38,8 @@ class BootSlave final : private BootTransferListener {
   void suspend();
   /// Ends without a result.
   void abandon();
+  /// The boot of this mandatory slave failed, and no slave is started.
+  void start_up_halted_by(std::uint8_t node_id) noexcept { boot_.record.halted_by = node_id; }
   /// The SDO channel, which was not free, is so now.
   void channel_freed(can::Time now) { boot_.transfer.channel_freed(now); }
   /// Only writes the concise DCF; the step is afterwards what it was. Not while running().

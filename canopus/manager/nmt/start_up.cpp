@@ -191,8 +191,7 @@ void StartUp::boot_ended(std::uint8_t node_id, BootError error, can::Time now) {
     master_.set_error_bits(node_id, error_control::start_up_failed, 0, now);
     master_.listener->slave_failed(node_id, error, now);
     if (phase_ == Phase::booting && !giving_up_ && (bits & assignment_bit::mandatory) != 0) {
-      halt(now);
-      master_.listener->start_up_halted(node_id, error, now);
+      halt_for(node_id, error, now);
     }
     return show_starting(now);
   }
@@ -246,8 +245,7 @@ void StartUp::fail(can::Time now) {
   giving_up_ = false;
   if (phase_ != phase || first == 0) return;
   const BootError error = master_.slaves[first].boot->record().error;
-  halt(now);
-  master_.listener->start_up_halted(first, error, now);
+  halt_for(first, error, now);
 }
 
 // Step 7.
@@ -309,6 +307,15 @@ void StartUp::halt(can::Time now) {
   master_.commands().withdraw_starts(all_nodes);
   abandon_boots();
   show_starting(now);
+}
+
+void StartUp::halt_for(std::uint8_t node_id, BootError error, can::Time now) {
+  for (std::uint8_t n = 1; n < 128; ++n) {
+    const Slave& slave = master_.slaves[n];
+    if (n != node_id && (slave.is_booting() || slave.is_booted())) slave.boot->start_up_halted_by(node_id);
+  }
+  halt(now);
+  master_.listener->start_up_halted(node_id, error, now);
 }
 
 // --- slaves that come and go

@@ -126,6 +126,8 @@ class StartUp {
   }
   void finish(can::Time now);
   void halt(can::Time now);
+  /// The boot of this mandatory slave failed.
+  void halt_for(std::uint8_t node_id, BootError error, can::Time now);
   [[nodiscard]] bool all_booted(std::uint32_t assignment_bits) const;
 
   MasterContext& master_;

@@ -186,7 +186,7 @@ std::vector<SlaveBootRecord> ModuleEngine::boots() const {
   std::vector<SlaveBootRecord> boots;
   for (std::uint8_t node_id = 1; node_id <= 127; ++node_id) {
     const manager::BootRecord& record = node_.master().boot_record(node_id);
-    if (record.step != manager::BootStep::idle) boots.push_back({node_id, record});
+    if (record.step != manager::BootStep::idle || record.halted_by != 0) boots.push_back({node_id, record});
   }
   return boots;
 }

@@ -20,7 +20,10 @@ void add_boot(text::Json& line, const manager::BootRecord& record, can::Time now
     line["object"] = canopen::object_text(record.index, record.sub);
   }
   if (record.attempts != 0) line["attempts"] = record.attempts;
-  if (record.error == BootError::none) return;
+  if (record.error == BootError::none) {
+    if (record.halted_by != 0) line["reason"] = manager::explain(record, now);
+    return;
+  }
   line["error"] = std::string(1, manager::letter(record.error));
   if (record.abort_code != canopen::AbortCode::none) {
     line["abort"] = fmt::format("{:08X}", static_cast<std::uint32_t>(record.abort_code));

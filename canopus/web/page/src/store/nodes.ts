@@ -43,7 +43,7 @@ function troubles_of(state: RunState, own: NodeState | null, slave: SlaveState |
   const lines: string[] = [];
   if (own?.cut_off) lines.push("cut off from its bus");
   if (own?.controller === "bus-off") lines.push("bus-off: it sends and receives nothing");
-  if (slave?.reason && slave.step !== "booted") lines.push(slave.reason);
+  if (slave?.reason && (slave.step !== "booted" || (own !== null && !slave.error && own.state !== "operational"))) lines.push(slave.reason);
   if (own) lines.push(...state.troubles.filter((one) => one.bus === own.bus && one.node === own.node && one.name === own.name).map((one) => one.message));
   return lines;
 }
