@@ -10,7 +10,6 @@
 
 #include "canopus/cli/app/completion_script.hpp"
 #include "canopus/cli/options/command.hpp"
-#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/options/parser.hpp"
 
 namespace canopus::cli::command_table_test {

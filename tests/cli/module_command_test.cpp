@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
-#include "canopus/cli/plc/module_status.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/module/models/me3can1_q/me3can1_q.hpp"
 #include "canopus/module/storage/flash_memory.hpp"

@@ -7,7 +7,6 @@
 #include "canopus/cli/app/completion_script.hpp"
 #include "canopus/cli/app/manual_page.hpp"
 #include "canopus/cli/options/command.hpp"
-#include "canopus/cli/options/option_checks.hpp"
 
 namespace canopus::cli::reference_test {
 namespace {

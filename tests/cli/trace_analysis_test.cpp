@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/trace/names_options.hpp"
+#include "canopus/cli/trace/trace_options.hpp"
 #include "canopus/trace/filter/message_filter.hpp"
 #include "canopus/trace/print/message_printer.hpp"
 

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/plc/module_compare.hpp"
+#include "canopus/cli/plc/module_command.hpp"
 #include "canopus/cli/plc/module_words.hpp"
 
 #include "paths.hpp"

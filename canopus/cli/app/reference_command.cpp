@@ -6,7 +6,6 @@
 #include "canopus/cli/bus/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/commands.hpp"
-#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/output/print.hpp"
 #include "canopus/text/nearest_word.hpp"
 

@@ -6,7 +6,6 @@
 #include "canopus/cli/bus/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/commands.hpp"
-#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/options/real_time_option.hpp"
 #include "canopus/serve/jitter.hpp"
 #include "canopus/text/json.hpp"

@@ -7,7 +7,6 @@
 #include "canopus/cli/bus/lss_device.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/commands.hpp"
-#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"
 

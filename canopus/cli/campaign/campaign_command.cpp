@@ -15,7 +15,6 @@
 #include "canopus/campaign/runner.hpp"
 #include "canopus/cli/bus/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
-#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/output/stop_signals.hpp"
 #include "canopus/text/text_values.hpp"
 

@@ -4,9 +4,7 @@
 
 #include "canopus/ascii/number.hpp"
 #include "canopus/cli/options/command.hpp"
-#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/output/print.hpp"
-#include "canopus/cli/output/sigpipe.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 
 namespace canopus::cli {

@@ -9,9 +9,7 @@
 
 #include "canopus/cli/module_settings/configure_command.hpp"
 #include "canopus/cli/options/command.hpp"
-#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/output/print.hpp"
-#include "canopus/cli/output/sigpipe.hpp"
 #include "canopus/cli/plc/transfer_setups.hpp"
 #include "canopus/module_settings/module_windows.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"

@@ -3,7 +3,6 @@
 #include "canopus/cli/network_project/bus_session.hpp"
 #include "canopus/cli/network_project/project_command.hpp"
 #include "canopus/cli/output/print.hpp"
-#include "canopus/cli/output/sigpipe.hpp"
 
 namespace canopus::cli {
 namespace {

@@ -6,9 +6,7 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/options/command.hpp"
-#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/output/print.hpp"
-#include "canopus/cli/output/sigpipe.hpp"
 #include "canopus/network_project/network_load.hpp"
 #include "canopus/text/bit_rate.hpp"
 #include "canopus/text/json.hpp"

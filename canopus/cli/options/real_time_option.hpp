@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "canopus/cli/options/option_checks.hpp"
+#include "canopus/cli/options/command.hpp"
 #include "canopus/serve/real_time_thread.hpp"
 
 namespace canopus::cli {

@@ -35,4 +35,10 @@ class NewFile {
 [[nodiscard]] std::expected<void, std::string> write_new_file(const std::string& name,
                                                               std::string_view content);
 
+// A command must not write over what it reads.
+
+/// Whether `in` (- is the standard input) and `out` are one regular file, even by different names. An `out`
+/// of - is never one.
+[[nodiscard]] bool is_same_file(const std::string& in, const std::string& out);
+
 }  // namespace canopus::cli

@@ -11,7 +11,6 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "canopus/cli/output/sigpipe.hpp"
 #include "canopus/text/json.hpp"
 
 namespace canopus::cli {

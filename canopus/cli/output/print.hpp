@@ -8,6 +8,7 @@
 // Each line goes out whole, in one piece. A standard output that cannot be written throws OutputFailed, which
 // ends the program with a sentence and an exit code; a standard error that cannot be written is ignored.
 
+#include <functional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -66,5 +67,14 @@ void print_json(const text::Json& object);
 /// printed takes its place. Nothing unless is_terminal(STDERR_FILENO).
 void show_progress(const Line& line);
 void end_progress();
+
+// For commands that do more than print: a closed output (SIGPIPE, `| head -1`) must not abort writing a file,
+// a change or a transfer halfway.
+
+/// Runs `work` to its end even if its output and errors cannot be written: SIGPIPE is ignored meanwhile.
+/// Returns the exit code of the work, also when the reader of the standard output has gone; another write
+/// error is thrown as OutputFailed at the end. A signal that ends the wait for a slow reader is thrown at
+/// once.
+[[nodiscard]] int run_ignoring_sigpipe(const std::function<int()>& work);
 
 }  // namespace canopus::cli

@@ -9,8 +9,6 @@
 
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/output/new_file.hpp"
-#include "canopus/cli/plc/module_compare.hpp"
-#include "canopus/cli/plc/module_status.hpp"
 #include "canopus/module/storage/flash_memory.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/file/plant_file.hpp"

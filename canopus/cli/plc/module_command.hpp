@@ -7,6 +7,7 @@
 #include <string>
 
 #include "canopus/cli/output/print.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
@@ -23,5 +24,19 @@ int module_eds_file(const std::string& model, const std::string& path, Output& o
 
 /// Adds the subcommand `module` to the program. Exit code: 0 done, 2 no such module or file.
 void add_module_command(Command& app, int& exit_code);
+
+// `canopus module compare`: the modules beside each other, from their models.
+
+/// A table in Markdown: a row for each property, a column for each module.
+[[nodiscard]] std::string comparison_table();
+int module_compare(Output& out);
+
+// `canopus module status`: the modules of a running plant, as the engineering tool's module diagnostics show them.
+
+/// Prints the control server's answer to the request "modules". Nothing of it is trusted.
+void print_modules(const text::Json& answer, Output& out);
+
+/// Adds `status` to `canopus module`. Exit code: 0 done, 1 the plant refused or could not be reached, 2 wrong command line.
+void add_module_status(Command& module_command, int& exit_code);
 
 }  // namespace canopus::cli

@@ -1,5 +1,3 @@
-#include "canopus/cli/plc/module_compare.hpp"
-
 #include <algorithm>
 #include <functional>
 #include <memory>
@@ -10,6 +8,7 @@
 
 #include "canopus/can/controller.hpp"
 #include "canopus/canopen/node/node.hpp"
+#include "canopus/cli/plc/module_command.hpp"
 #include "canopus/module/interface/program_interface.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/volatile_memory.hpp"

@@ -1,11 +1,10 @@
-#include "canopus/cli/plc/module_status.hpp"
-
 #include <memory>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "canopus/cli/options/command.hpp"
+#include "canopus/cli/plc/module_command.hpp"
 #include "canopus/client/control_client.hpp"
 #include "canopus/text/json_fields.hpp"
 #include "canopus/text/text_values.hpp"

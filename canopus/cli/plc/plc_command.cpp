@@ -13,7 +13,6 @@
 
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/commands.hpp"
-#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/output/print.hpp"
 #include "canopus/cli/plc/plc_access.hpp"
 #include "canopus/cli/plc/plc_program.hpp"

@@ -6,12 +6,10 @@
 #include "canopus/cli/files/given_file.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/commands.hpp"
-#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/options/real_time_option.hpp"
 #include "canopus/cli/output/print.hpp"
 #include "canopus/cli/run/run_loop.hpp"
-#include "canopus/cli/run/web_access_options.hpp"
-#include "canopus/cli/run/web_settings.hpp"
+#include "canopus/cli/run/web_options.hpp"
 #include "canopus/text/text_values.hpp"
 #include "canopus/trace/file/trace_file.hpp"
 

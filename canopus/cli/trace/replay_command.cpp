@@ -10,10 +10,9 @@
 #include "canopus/cli/bus/node_names.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/commands.hpp"
-#include "canopus/cli/options/option_checks.hpp"
-#include "canopus/cli/output/channel_choice.hpp"
 #include "canopus/cli/output/stop_signals.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
+#include "canopus/cli/trace/trace_options.hpp"
 #include "canopus/cli/trace/trace_player.hpp"
 #include "canopus/text/text_values.hpp"
 

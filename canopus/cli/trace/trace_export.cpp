@@ -6,7 +6,7 @@
 
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/commands.hpp"
-#include "canopus/cli/trace/names_options.hpp"
+#include "canopus/cli/trace/trace_options.hpp"
 #include "canopus/trace/report/bus_model.hpp"
 
 namespace canopus::cli {

@@ -5,10 +5,7 @@
 
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/commands.hpp"
-#include "canopus/cli/options/option_checks.hpp"
-#include "canopus/cli/output/channel_choice.hpp"
-#include "canopus/cli/trace/filter_options.hpp"
-#include "canopus/cli/trace/names_options.hpp"
+#include "canopus/cli/trace/trace_options.hpp"
 #include "canopus/trace/decode/decoder.hpp"
 #include "canopus/trace/filter/filter_expression.hpp"
 #include "canopus/trace/print/message_printer.hpp"

@@ -10,7 +10,7 @@
 
 #include "canopus/can/bus.hpp"
 #include "canopus/can/timeline.hpp"
-#include "canopus/cli/plc/module_status.hpp"
+#include "canopus/cli/plc/module_command.hpp"
 #include "canopus/manager/boot/concise_dcf.hpp"
 #include "canopus/plant/catalogue/error_history.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"

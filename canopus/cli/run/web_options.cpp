@@ -1,5 +1,6 @@
-#include "canopus/cli/run/web_access_options.hpp"
+#include "canopus/cli/run/web_options.hpp"
 
+#include "canopus/cli/module_settings/settings_file.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/web/http/request.hpp"
 
@@ -26,6 +27,15 @@ void add_web_access_options(Command& command, const std::string& prefix, web::We
   });
   if (page == nullptr) return;
   for (Option* option : {users, audit, origin}) option->needs(page);
+}
+
+std::expected<web::WebSettings, std::string> read_web_settings(const std::string& file) {
+  constexpr std::uint32_t points_of_module = 0x10;
+  const auto project = load_project(file);
+  if (!project) return std::unexpected(project.error());
+  return web::WebSettings{.file = file,
+                          .model = std::string(project->tool().model),
+                          .head = points_of_module * project->unit_number()};
 }
 
 }  // namespace canopus::cli
