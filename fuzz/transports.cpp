@@ -7,7 +7,7 @@
 
 #include "canopus/link/cannelloni/cannelloni_records.hpp"
 #include "canopus/link/slcan/slcan_text.hpp"
-#include "canopus/link/socketcan/link_message.hpp"
+#include "canopus/link/socketcan/netlink.hpp"
 #include "canopus/link/udp_multicast/multicast_datagram.hpp"
 
 #include "input.hpp"

@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "canopus/link/can_error.hpp"
+#include "canopus/link/controller_status.hpp"
 #include "canopus/link/socketcand_dialogue.hpp"
 #include "canopus/link/stream_transport.hpp"
 

@@ -5,7 +5,7 @@
 #include <boost/asio/write.hpp>
 #include <poll.h>
 
-#include "canopus/link/can_error.hpp"
+#include "canopus/link/controller_status.hpp"
 
 namespace canopus::link {
 namespace asio = boost::asio;

@@ -7,7 +7,7 @@
 #include "canopus/ascii/hex.hpp"
 #include "canopus/ascii/number.hpp"
 #include "canopus/ascii/words.hpp"
-#include "canopus/link/can_error.hpp"
+#include "canopus/link/controller_status.hpp"
 #include "canopus/link/socketcand_words.hpp"
 
 namespace canopus::link {

@@ -7,8 +7,8 @@
 #include <boost/asio/buffer.hpp>
 #include <netinet/tcp.h>
 
-#include "canopus/link/loopback/connection_owner.hpp"
 #include "canopus/link/socketcand_connection.hpp"
+#include "canopus/link/tcp/connection_owner.hpp"
 
 namespace canopus::link {
 namespace asio = boost::asio;

@@ -1,11 +1,11 @@
-#include "canopus/link/can_error.hpp"
-
 #include <array>
 #include <cstdint>
 #include <span>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "canopus/link/controller_status.hpp"
 
 namespace canopus::link::can_error_test {
 namespace {

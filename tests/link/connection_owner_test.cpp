@@ -1,5 +1,5 @@
 // Who of this machine is at the other end: tables as the kernel prints them, and real connections.
-#include "canopus/link/loopback/connection_owner.hpp"
+#include "canopus/link/tcp/connection_owner.hpp"
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/address_v6.hpp>

@@ -1,5 +1,3 @@
-#include "canopus/link/socketcan/link_message.hpp"
-
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -7,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
+
+#include "canopus/link/socketcan/netlink.hpp"
 
 namespace canopus::link::link_message_test {
 namespace {

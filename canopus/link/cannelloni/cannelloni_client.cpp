@@ -3,8 +3,8 @@
 #include <array>
 #include <utility>
 
-#include "canopus/link/can_error.hpp"
 #include "canopus/link/cannelloni/cannelloni_records.hpp"
+#include "canopus/link/controller_status.hpp"
 #include "canopus/link/datagram_transport.hpp"
 #include "canopus/link/stream_transport.hpp"
 

@@ -16,7 +16,7 @@
 #include <linux/can/error.h>
 #include <sys/socket.h>
 
-#include "canopus/link/can_error.hpp"
+#include "canopus/link/controller_status.hpp"
 #include "canopus/link/handler_memory.hpp"
 #include "canopus/link/socketcan/can_socket.hpp"
 #include "canopus/link/socketcan/netlink.hpp"

@@ -7,7 +7,7 @@
 
 #include <boost/asio/ip/multicast.hpp>
 
-#include "canopus/link/can_error.hpp"
+#include "canopus/link/controller_status.hpp"
 #include "canopus/link/datagram_transport.hpp"
 #include "canopus/link/peer.hpp"
 #include "canopus/link/udp_multicast/multicast_datagram.hpp"

@@ -4,7 +4,7 @@
 
 #include <boost/asio/post.hpp>
 
-#include "canopus/link/can_error.hpp"
+#include "canopus/link/controller_status.hpp"
 
 namespace canopus::web {
 

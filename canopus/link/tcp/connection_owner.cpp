@@ -1,4 +1,4 @@
-#include "canopus/link/loopback/connection_owner.hpp"
+#include "canopus/link/tcp/connection_owner.hpp"
 
 #include <bit>
 #include <fstream>

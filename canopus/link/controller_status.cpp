@@ -1,4 +1,4 @@
-#include "canopus/link/can_error.hpp"
+#include "canopus/link/controller_status.hpp"
 
 #include <linux/can/error.h>
 
