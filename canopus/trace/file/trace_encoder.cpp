@@ -8,7 +8,7 @@
 
 #include "canopus/ascii/number.hpp"
 #include "canopus/trace/file/candump_log.hpp"
-#include "canopus/trace/file/capture_writer.hpp"
+#include "canopus/trace/file/capture_packet.hpp"
 #include "canopus/trace/file/words.hpp"
 
 namespace canopus::trace {
