@@ -7,7 +7,7 @@
 
 #include "canopus/ascii/counted.hpp"
 #include "canopus/canopen/dictionary/object_text.hpp"
-#include "canopus/manager/nmt/negotiation_words.hpp"
+#include "canopus/manager/nmt/flying_master.hpp"
 
 namespace canopus::module_settings {
 namespace {

@@ -1,8 +1,8 @@
 // What the times of a flying master come to, in words [CiA 302-2; RJ71CN91 1.9, App. 3 1F90H].
 
-#include "canopus/manager/nmt/negotiation_words.hpp"
-
 #include <gmock/gmock.h>
+
+#include "canopus/manager/nmt/flying_master.hpp"
 
 #include "master_bench.hpp"
 

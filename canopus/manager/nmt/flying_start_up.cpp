@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "canopus/manager/nmt/negotiation_words.hpp"
+#include "canopus/manager/nmt/flying_master.hpp"
 
 namespace canopus::manager {
 

@@ -13,7 +13,7 @@
 #include "canopus/eds/device_file.hpp"
 #include "canopus/eds/words.hpp"
 #include "canopus/manager/boot/start_up_bits.hpp"
-#include "canopus/manager/nmt/negotiation_words.hpp"
+#include "canopus/manager/nmt/flying_master.hpp"
 #include "canopus/module/interface/communication_module.hpp"
 #include "canopus/plant/device_on_bus.hpp"
 #include "canopus/plant/events/event_printer.hpp"
