@@ -10,7 +10,6 @@
 
 #include "canopus/module/models/fx3u_can/configuration_tool.hpp"
 #include "canopus/module/models/rj71cn91/configuration_tool.hpp"
-#include "canopus/module_settings/module_project_file.hpp"
 
 namespace canopus::module_settings::module_project_test {
 namespace {

@@ -12,7 +12,6 @@
 #include "canopus/module/models/fx3u_can/configuration_tool.hpp"
 #include "canopus/module/models/rj71cn91/configuration_tool.hpp"
 #include "canopus/module_settings/module_project.hpp"
-#include "canopus/module_settings/module_project_file.hpp"
 
 #include "paths.hpp"
 #include "support/spec_table.hpp"

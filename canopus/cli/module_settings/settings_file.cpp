@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "canopus/module_settings/module_project_file.hpp"
+#include "canopus/module_settings/module_project.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/store/files.hpp"
 #include "canopus/store/inner_path.hpp"
