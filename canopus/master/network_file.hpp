@@ -13,6 +13,8 @@
 #include "canopus/manager/nmt/flying_master.hpp"
 #include "canopus/text/file_error.hpp"
 #include "canopus/text/object_value.hpp"
+#include "canopus/text/output.hpp"
+#include "canopus/trace/decode/names.hpp"
 
 namespace canopus::master {
 
@@ -74,5 +76,8 @@ struct NetworkReading {
 /// The network of a CiA 306 project: a mandatory slave for each node that is present, watched by nothing. The manager of the
 /// project, if it has one, is the master.
 [[nodiscard]] NetworkReading read_project(std::string path);
+
+/// Adds the names of the nodes and objects of this network file, for the decoder. False after its mistakes were printed on `err`.
+[[nodiscard]] bool add_network_names(const std::string& path, trace::Names& names, text::Output& err);
 
 }  // namespace canopus::master

@@ -1,6 +1,6 @@
 #include "node_names.hpp"
 
-#include "canopus/master/network_names.hpp"
+#include "canopus/master/network_file.hpp"
 #include "canopus/plant/plant_names.hpp"
 #include "canopus/trace/print/node_names.hpp"
 

@@ -13,7 +13,7 @@
 #include "canopus/cli/output/print.hpp"
 #include "canopus/client/node_id.hpp"
 #include "canopus/link/bus_address.hpp"
-#include "canopus/master/network_names.hpp"
+#include "canopus/master/network_file.hpp"
 #include "canopus/network_project/network_project.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant_names.hpp"
