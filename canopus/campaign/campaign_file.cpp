@@ -11,7 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "canopus/ascii/words.hpp"
-#include "canopus/plant/events/event_names.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/text/nearest_word.hpp"
 #include "canopus/text/table_reader.hpp"
 

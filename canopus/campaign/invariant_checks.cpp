@@ -13,7 +13,7 @@
 #include "canopus/campaign/plant_access.hpp"
 #include "canopus/campaign/python_check.hpp"
 #include "canopus/plant/device_on_bus.hpp"
-#include "canopus/plant/events/event_names.hpp"
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/file/process_value.hpp"
 #include "canopus/plc/execution/program_execution.hpp"

@@ -2,6 +2,7 @@
 // What happens in a plant: one type for each kind, and the variant of them that a PlantObserver gets. docs/events.md describes
 // the lines made of them. Views are of texts that live as long as the plant.
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -111,5 +112,19 @@ struct Event {
                LoadMeasured, Warning, ModuleEvent, ModuleError, Failure>
       what;
 };
+
+// Kinds of events by their names in docs/events.md.
+
+/// In the order of the alternatives of Event::what.
+inline constexpr std::array<std::string_view, std::variant_size_v<decltype(Event::what)>> event_names{
+    "boot",       "nmt",        "lss",     "emcy",         "unacknowledged", "bus error",
+    "controller", "boot slave", "signal",  "buffer",       "forced",         "released",
+    "lift",       "load",       "warning", "module event", "module error",   "error"};
+static_assert(!event_names.back().empty());
+
+/// "error", "lift".
+[[nodiscard]] inline std::string_view name_of(const Event& event) noexcept {
+  return event_names[event.what.index()];
+}
 
 }  // namespace canopus::plant

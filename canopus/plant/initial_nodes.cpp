@@ -5,6 +5,7 @@
 #include "canopus/module/interface/communication_module.hpp"
 #include "canopus/plant/device_on_bus.hpp"
 #include "canopus/plant/file/plant_file.hpp"
+#include "canopus/plant/plant_loading.hpp"
 #include "canopus/plc/rack/rack.hpp"
 
 namespace canopus::plant {
@@ -34,6 +35,18 @@ std::vector<InitialPlantNode> initial_nodes(Plant& plant) {
     nodes.push_back({std::string(label.bus), std::string(label.name), node.node_id, std::move(node.objects)});
   }
   return nodes;
+}
+
+bool add_plant_names(const std::string& path, trace::Names& names, text::Output& err) {
+  class : public PlantObserver {
+  } no_observer;
+  const auto plant = load_plant(path, no_observer, err);
+  if (!plant) return false;
+  for (InitialPlantNode& node : initial_nodes(*plant)) {
+    names.add(trace::describe_node(std::move(node.bus), node.node_id, std::move(node.name),
+                                   std::move(node.objects)));
+  }
+  return true;
 }
 
 }  // namespace canopus::plant

@@ -7,6 +7,8 @@
 
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/plant/plant.hpp"
+#include "canopus/text/output.hpp"
+#include "canopus/trace/decode/names.hpp"
 
 namespace canopus::plant {
 
@@ -20,5 +22,8 @@ struct InitialPlantNode {
 
 /// Devices and modules that have a node-ID, modules first. The plant must not have been switched on.
 [[nodiscard]] std::vector<InitialPlantNode> initial_nodes(Plant& plant);
+
+/// Adds the names of the nodes and objects of the plant in this file, for the decoder. False after its mistakes were printed on `err`.
+[[nodiscard]] bool add_plant_names(const std::string& path, trace::Names& names, text::Output& err);
 
 }  // namespace canopus::plant

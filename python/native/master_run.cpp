@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "canopus/client/sdo_transfer_on_bus.hpp"
-#include "canopus/plant/events/boot_report.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/text/json.hpp"
 
 #include "plant_parts.hpp"

@@ -1,7 +1,7 @@
 #include "node_names.hpp"
 
 #include "canopus/master/network_file.hpp"
-#include "canopus/plant/plant_names.hpp"
+#include "canopus/plant/initial_nodes.hpp"
 #include "canopus/trace/print/node_names.hpp"
 
 #include "plant_run.hpp"

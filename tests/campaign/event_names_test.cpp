@@ -1,11 +1,10 @@
 // The names that an invariant may have for events are those of the lines of a run.
 
-#include "canopus/plant/events/event_names.hpp"
-
 #include <utility>
 
 #include <gmock/gmock.h>
 
+#include "canopus/plant/event.hpp"
 #include "canopus/plant/events/event_printer.hpp"
 
 namespace canopus::campaign::event_names_test {

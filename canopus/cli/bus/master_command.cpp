@@ -11,7 +11,7 @@
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/commands.hpp"
 #include "canopus/master/network_master.hpp"
-#include "canopus/plant/events/boot_report.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/text/file_text.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"

@@ -16,7 +16,7 @@
 #include "canopus/master/network_file.hpp"
 #include "canopus/network_project/network_project.hpp"
 #include "canopus/plant/file/plant_file.hpp"
-#include "canopus/plant/plant_names.hpp"
+#include "canopus/plant/initial_nodes.hpp"
 #include "canopus/store/inner_path.hpp"
 #include "canopus/text/file_text.hpp"
 #include "canopus/text/nearest_word.hpp"

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "canopus/can/bus.hpp"
+#include "canopus/manager/boot/boot_record.hpp"
 #include "canopus/plant/event.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/plant/slave_boot.hpp"
@@ -151,5 +152,12 @@ class LinePrinter final : public PlantObserver {
 [[nodiscard]] std::string describe(const RunSummary::LiftCount& lift);
 /// The summary's lines.
 [[nodiscard]] std::vector<std::string> describe(const RunSummary& summary);
+
+// A slave's boot as fields of a JSON line, the same in `canopus run --json` and `canopus master --json`.
+
+/// Adds to `line`: step (words), since (seconds), and as far as the step has them object ("1018:02"),
+/// attempts, expected and received (of a comparison that failed), error (CiA 302 letter), abort ("05040000"),
+/// reason (sentences: the fault, and what to check).
+void add_boot(text::Json& line, const manager::BootRecord& record, can::Time now);
 
 }  // namespace canopus::plant

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "canopus/can/frame.hpp"
+#include "canopus/can/time.hpp"
 #include "canopus/link/allow_list.hpp"
 #include "canopus/link/bus_address.hpp"
 #include "canopus/module/interface/module_types.hpp"
-#include "canopus/plant/file/download_section.hpp"
 #include "canopus/plant/file/lift_section.hpp"
 #include "canopus/plc/cpu/device.hpp"
 #include "canopus/plc/execution/program_tasks.hpp"
@@ -29,6 +29,42 @@
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::plant {
+
+/// The download of CANopen Builder for a function card: [plc.module.download] [AS-FCOPM 10.6].
+struct DownloadSection {
+  text::Place place{};
+  bool is_slave = false;                            ///< work_mode = "slave"
+  std::optional<std::uint8_t> wrong_node_id{};      ///< node_id: 0, or 128 to 255
+  std::optional<can::Duration> again_at{};          ///< when the same is downloaded once more
+  std::optional<std::uint16_t> cycle_period{};      ///< ms
+  std::optional<std::uint16_t> master_heartbeat{};  ///< ms
+  struct Object {
+    text::Place place{};
+    text::ObjectName object{};
+  };
+  struct Pdo {
+    text::Place place{};
+    std::uint16_t number = 1;
+    std::uint8_t type = 255;
+    std::optional<std::uint16_t> cob_id{};
+    std::optional<std::uint16_t> inhibit_time{};  ///< 100 us
+    std::optional<std::uint16_t> event_timer{};   ///< ms
+    std::vector<Object> objects{};
+  };
+  /// A slave of the node list: [[plc.module.download.slave]].
+  struct Slave {
+    text::Place place{};
+    text::Place eds_place{};
+    std::uint8_t node = 0;
+    std::string eds{};  ///< of a node outside of the plant, or of what is expected there
+    std::optional<std::uint16_t> heartbeat{};           ///< ms
+    std::optional<std::uint16_t> heartbeat_time_out{};  ///< ms
+    std::vector<Pdo> rx_pdos{};
+    std::vector<Pdo> tx_pdos{};
+    std::vector<text::ObjectSetting> auto_sdos{};
+  };
+  std::vector<Slave> slaves{};
+};
 
 /// A buffer memory word and the value it gets before power-on.
 struct BufferSetting {

@@ -10,7 +10,7 @@
 
 #include "canopus/module/interface/communication_module.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
-#include "canopus/plant/events/boot_report.hpp"
+#include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/sim/bus/bus.hpp"
 #include "canopus/text/json.hpp"

@@ -8,7 +8,6 @@
 #include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/module/canopen/network_variables.hpp"
 #include "canopus/plant/device_on_bus.hpp"
-#include "canopus/plant/events/boot_report.hpp"
 #include "canopus/plant/events/event_printer.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/web/state/node_detail_view.hpp"
