@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "canopus/ascii/words.hpp"
-#include "canopus/client/plc_address.hpp"
+#include "canopus/client/plc_point.hpp"
 
 namespace canopus::serve {
 

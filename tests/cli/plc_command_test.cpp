@@ -12,7 +12,7 @@
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/commands.hpp"
 #include "canopus/cli/options/parser.hpp"
-#include "canopus/client/plc_address.hpp"
+#include "canopus/client/plc_point.hpp"
 #include "canopus/serve/melsec_server.hpp"
 
 #include "plc/conversation.hpp"

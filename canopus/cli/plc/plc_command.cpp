@@ -18,8 +18,8 @@
 #include "canopus/cli/plc/plc_program.hpp"
 #include "canopus/cli/plc/plc_signals.hpp"
 #include "canopus/cli/plc/transfer_setups.hpp"
-#include "canopus/client/plc_address.hpp"
 #include "canopus/client/plc_client.hpp"
+#include "canopus/client/plc_point.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"
 

@@ -13,7 +13,6 @@
 #include "canopus/cli/output/print.hpp"
 #include "canopus/cli/plc/module_words.hpp"
 #include "canopus/cli/plc/plc_access.hpp"
-#include "canopus/client/plc_address.hpp"
 #include "canopus/client/plc_point.hpp"
 #include "canopus/text/file_text.hpp"
 #include "canopus/text/printable.hpp"
