@@ -4,7 +4,7 @@
 
 #include "canopus/cli/app/command_line.hpp"
 #include "canopus/cli/output/print.hpp"
-#include "canopus/web/commands/parent_process.hpp"
+#include "canopus/web/commands/child_process.hpp"
 
 int main(int argc, char** argv) {
   canopus::web::end_with_parent();

@@ -12,10 +12,25 @@
 #include "canopus/plant/plant.hpp"
 #include "canopus/text/output.hpp"
 #include "canopus/web/state/boots.hpp"
-#include "canopus/web/state/observer_pair.hpp"
 #include "canopus/web/state/traffic.hpp"
 
 namespace canopus::web {
+
+/// Two observers as one; the first gets each event first.
+class ObserverPair final : public plant::PlantObserver {
+ public:
+  /// Both must outlive the pair.
+  ObserverPair(plant::PlantObserver& first, plant::PlantObserver& second) : first_(first), second_(second) {}
+
+  void on(const plant::Event& event) override {
+    first_.on(event);
+    second_.on(event);
+  }
+
+ private:
+  plant::PlantObserver& first_;
+  plant::PlantObserver& second_;
+};
 
 /// An observer that passes everything on to `first`, makes JSON of it for the page, and keeps how slaves booted.
 class WebEvents {

@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include <boost/asio/io_context.hpp>
 
@@ -18,9 +19,37 @@
 #include "canopus/text/json.hpp"
 #include "canopus/trace/decode/names.hpp"
 #include "canopus/web/trace/query_engine.hpp"
-#include "canopus/web/trace/uploaded_file.hpp"
 
 namespace canopus::web {
+
+// A trace file that comes from the browser's machine, part by part.
+
+/// It stands in the system's folder for temporary files without a name there, and is gone with this object, however the process ends.
+class UploadedFile {
+ public:
+  /// `name`: as the browser has it, for sentences alone. `size`: bytes that will come. The error is a sentence.
+  [[nodiscard]] static std::expected<std::shared_ptr<UploadedFile>, std::string> make(std::string name,
+                                                                                      std::uint64_t size);
+  ~UploadedFile();
+  UploadedFile(const UploadedFile&) = delete;
+  UploadedFile& operator=(const UploadedFile&) = delete;
+
+  /// The next bytes. Returns how many have come. The error is a sentence: more than `size`, or the disk refuses them.
+  [[nodiscard]] std::expected<std::uint64_t, std::string> add(std::string_view bytes);
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] bool is_whole() const noexcept { return received_ == size_; }
+  /// Where this process reads it from its begin on.
+  [[nodiscard]] std::string path() const;
+
+ private:
+  UploadedFile(std::string name, std::uint64_t size, int descriptor)
+      : name_(std::move(name)), size_(size), descriptor_(descriptor) {}
+
+  std::string name_;
+  std::uint64_t size_;
+  std::uint64_t received_ = 0;
+  int descriptor_;
+};
 
 class TraceFiles {
  public:

@@ -1,7 +1,5 @@
 // What becomes of a process and its folder when its parent is killed. Processes of their own, as nothing else shows it.
 
-#include "canopus/web/commands/parent_process.hpp"
-
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
