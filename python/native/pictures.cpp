@@ -6,7 +6,7 @@
 #include <pybind11/stl.h>
 
 #include "canopus/canopen/dictionary/object_text.hpp"
-#include "canopus/trace/print/picture_signal.hpp"
+#include "canopus/trace/print/node_names.hpp"
 #include "canopus/trace/print/trace_walk.hpp"
 
 #include "node_names.hpp"

@@ -41,7 +41,7 @@
 #include "canopus/serve/slices/plant_slices.hpp"
 #include "canopus/text/local_time.hpp"
 #include "canopus/text/text_values.hpp"
-#include "canopus/trace/print/silent_pipe.hpp"
+#include "canopus/trace/print/trace_walk.hpp"
 #include "canopus/web/state/events.hpp"
 
 namespace canopus::cli {

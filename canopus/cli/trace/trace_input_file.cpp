@@ -5,7 +5,6 @@
 #include "canopus/ascii/counted.hpp"
 #include "canopus/ascii/hex.hpp"
 #include "canopus/cli/options/command.hpp"
-#include "canopus/trace/print/silent_pipe.hpp"
 #include "canopus/trace/print/trace_walk.hpp"
 
 namespace canopus::cli {

@@ -12,7 +12,7 @@
 #include "canopus/cli/trace/trace_options.hpp"
 #include "canopus/text/text_values.hpp"
 #include "canopus/trace/decode/decoder.hpp"
-#include "canopus/trace/print/picture_signal.hpp"
+#include "canopus/trace/print/node_names.hpp"
 #include "canopus/trace/print/trace_walk.hpp"
 #include "canopus/trace/report/trace_picture.hpp"
 

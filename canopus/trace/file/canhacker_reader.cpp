@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "canopus/ascii/words.hpp"
-#include "canopus/trace/file/minute_clock.hpp"
 #include "canopus/trace/file/text_reader.hpp"
 
 namespace canopus::trace {

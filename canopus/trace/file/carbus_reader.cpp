@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "canopus/trace/file/minute_clock.hpp"
 #include "canopus/trace/file/text_reader.hpp"
 
 namespace canopus::trace {

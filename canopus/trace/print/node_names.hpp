@@ -1,5 +1,5 @@
 #pragma once
-// Names of nodes and objects out of device files, for the decoder.
+// Nodes, objects and signals by the names that people have for them, out of device files.
 
 #include <cstdint>
 #include <memory>
@@ -10,6 +10,7 @@
 #include "canopus/eds/device_file.hpp"
 #include "canopus/text/output.hpp"
 #include "canopus/trace/decode/names.hpp"
+#include "canopus/trace/report/trace_picture.hpp"
 
 namespace canopus::trace {
 
@@ -22,5 +23,10 @@ namespace canopus::trace {
 [[nodiscard]] std::optional<std::uint8_t> parse_node_id(std::string_view text) noexcept;
 /// "3=encoder.eds", as the option --node has it. False after the mistake was printed on `err`.
 [[nodiscard]] bool add_node_names(const std::string& text, Names& names, text::Output& err);
+
+// Values of PDOs as people name them for a picture.
+
+/// "encoder.6004", "3.6004:00": the node by its name or node-ID. Nothing when it is neither, or no object.
+[[nodiscard]] std::optional<PictureSignal> parse_picture_signal(const std::string& text, const Names& names);
 
 }  // namespace canopus::trace

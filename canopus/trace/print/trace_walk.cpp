@@ -1,7 +1,6 @@
 #include "canopus/trace/print/trace_walk.hpp"
 
 #include "canopus/ascii/counted.hpp"
-#include "canopus/trace/print/silent_pipe.hpp"
 
 namespace canopus::trace {
 
