@@ -1,6 +1,6 @@
 // `canopus campaign`: exit codes, what its options take, and what is kept when it is ended.
 
-#include "canopus/cli/campaign/campaign_command.hpp"
+#include "canopus/cli/run/campaign_command.hpp"
 
 #include <csignal>
 #include <filesystem>

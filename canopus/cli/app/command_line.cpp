@@ -11,7 +11,6 @@
 #include "canopus/cli/app/users_command.hpp"
 #include "canopus/cli/bus/bus_command.hpp"
 #include "canopus/cli/bus/scan_command.hpp"
-#include "canopus/cli/campaign/campaign_command.hpp"
 #include "canopus/cli/files/check_command.hpp"
 #include "canopus/cli/files/eds_command.hpp"
 #include "canopus/cli/module_settings/configure_command.hpp"
@@ -22,6 +21,7 @@
 #include "canopus/cli/options/parser.hpp"
 #include "canopus/cli/output/print.hpp"
 #include "canopus/cli/plc/module_command.hpp"
+#include "canopus/cli/run/campaign_command.hpp"
 #include "canopus/text/nearest_word.hpp"
 #include "canopus/text/version.hpp"
 

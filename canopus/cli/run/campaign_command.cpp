@@ -1,4 +1,4 @@
-#include "canopus/cli/campaign/campaign_command.hpp"
+#include "canopus/cli/run/campaign_command.hpp"
 
 #include <algorithm>
 #include <chrono>
