@@ -52,9 +52,13 @@ class ObjectReader {
   bool read(ObjectDraft& object);
 
  private:
+  /// Of an object whose sub-indexes alone have sections.
+  bool read_without_head(ObjectDraft& object);
   void read_members(ObjectDraft& object, const ObjectKeys* head);
   void read_compact(ObjectDraft& object, const ObjectKeys& head, std::uint8_t count);
   void read_lists(ObjectDraft& object, const ObjectKeys& head, std::uint8_t count);
+  /// Reports a SubNumber that differs from the number of described sub-indexes.
+  void compare_sub_number(const ObjectDraft& object, std::uint64_t announced);
   void complete_highest_sub(ObjectDraft& object);
   [[nodiscard]] ObjectCode likely_code() const;
   [[nodiscard]] std::uint64_t mapped_objects(ObjectDraft& object) const;
@@ -75,8 +79,8 @@ ObjectCode ObjectReader::likely_code() const {
   return types.size() > 1 ? ObjectCode::record : ObjectCode::array;
 }
 
-bool ObjectReader::read(ObjectDraft& object) {
-  if (sections_.head == nullptr && sections_.subs.empty()) {
+bool ObjectReader::read_without_head(ObjectDraft& object) {
+  if (sections_.subs.empty()) {
     const Section* list = sections_.values != nullptr  ? sections_.values
                           : sections_.names != nullptr ? sections_.names
                                                        : sections_.denotations;
@@ -85,18 +89,30 @@ bool ObjectReader::read(ObjectDraft& object) {
     }
     return false;
   }
-  if (sections_.head == nullptr) {
-    object.line = sections_.subs.begin()->second->line;
-    object.name = object_name(index_);
-    object.code = likely_code();
-    problems_.warning(object.line, "sub-indexes of " + object_name(index_) + ", but no [" +
-                                       object_name(index_).substr(0, 4) + "]: made, a " +
-                                       std::string(name(object.code)));
-    read_members(object, nullptr);
-    complete_highest_sub(object);
-    return true;
-  }
+  object.line = sections_.subs.begin()->second->line;
+  object.name = object_name(index_);
+  object.code = likely_code();
+  problems_.warning(object.line, "sub-indexes of " + object_name(index_) + ", but no [" +
+                                     object_name(index_).substr(0, 4) + "]: made, a " +
+                                     std::string(name(object.code)));
+  read_members(object, nullptr);
+  complete_highest_sub(object);
+  return true;
+}
 
+void ObjectReader::compare_sub_number(const ObjectDraft& object, std::uint64_t announced) {
+  const std::size_t found = object.uniform_count != 0 ? object.uniform_count + 1U : object.subs.size();
+  const bool has_zero = object.subs.contains(0) || object.uniform_count != 0;
+  if (announced != 0 && announced != found && announced != found + (has_zero ? 0 : 1) &&
+      announced != object.highest_sub()) {
+    problems_.repeated(Severity::note, "sub number", object.line,
+                       object_name(index_) + " has SubNumber=" + std::to_string(announced) + ", but " +
+                           counted(found, "sub-index") + " described");
+  }
+}
+
+bool ObjectReader::read(ObjectDraft& object) {
+  if (sections_.head == nullptr) return read_without_head(object);
   const ObjectKeys keys(*sections_.head, problems_);
   object.line = sections_.head->line;
   const Item* name_item = keys.find("parametername");
@@ -160,14 +176,7 @@ bool ObjectReader::read(ObjectDraft& object) {
     return true;
   }
 
-  const std::size_t found = object.uniform_count != 0 ? object.uniform_count + 1U : object.subs.size();
-  const bool has_zero = object.subs.contains(0) || object.uniform_count != 0;
-  if (compact == 0 && announced != 0 && announced != found && announced != found + (has_zero ? 0 : 1) &&
-      announced != object.highest_sub()) {
-    problems_.repeated(Severity::note, "sub number", object.line,
-                       object_name(index_) + " has SubNumber=" + std::to_string(announced) + ", but " +
-                           counted(found, "sub-index") + " described");
-  }
+  if (compact == 0) compare_sub_number(object, announced);
   complete_highest_sub(object);
   if (const Item* description = keys.find("description"); description != nullptr && object.subs.contains(0))
     object.subs.at(0).facts.object_description = to_utf8(description->value);
