@@ -160,7 +160,7 @@ void CommandInterface::set_up(can::Time now) {
 void CommandInterface::continue_set_up(can::Time now) {
   for (;;) {
     const auto access = set_up_.next();
-    if (set_up_.takes_reset()) {
+    if (set_up_.pop_reset()) {
       host_->map_pdos(PdoMapping::mode_b, now);
       continue;
     }

@@ -44,7 +44,7 @@ bool SetUpCommand::failed() const noexcept {
   return std::ranges::any_of(*answers_, [](std::uint16_t word) { return word != 0; });
 }
 
-bool SetUpCommand::takes_reset() noexcept { return std::exchange(reset_due_, false); }
+bool SetUpCommand::pop_reset() noexcept { return std::exchange(reset_due_, false); }
 
 std::uint8_t SetUpCommand::real_node(std::uint16_t written) const noexcept {
   return written == 0 ? local_ : static_cast<std::uint8_t>(written);

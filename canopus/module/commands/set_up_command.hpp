@@ -69,7 +69,7 @@ class SetUpCommand {
   /// Some parameter was answered with something else than 0.
   [[nodiscard]] bool failed() const noexcept;
   /// The entry that next() stands at requires Mode B's default mapping first: to be done before going on. True once.
-  [[nodiscard]] bool takes_reset() noexcept;
+  [[nodiscard]] bool pop_reset() noexcept;
 
  private:
   [[nodiscard]] std::uint16_t word(std::size_t offset = 0) const noexcept { return (*words_)[at_ + offset]; }
