@@ -241,23 +241,26 @@ void add_address_options(Command& command, LssArguments& arguments) {
   command.add_option("--serial", arguments.serial, "serial number")->type_name("U32");
 }
 
-void build_lss_command(Command& command, int& exit_code) {
-  const auto arguments = std::make_shared<LssArguments>();
-  arguments->bus.time_out = "100ms";
-  command.require_subcommand(1);
-  command.footer(
-      "Only one LSS master at a time may be on a bus.\n"
-      "Exit code: 0 done, 1 no answer, refused, or no bus, 2 wrong command line.");
-  const auto add = [&](const char* name, const char* what, int (*run)(const LssArguments&),
-                       const char* time_out = "for each answer") {
-    Command* sub = command.add_subcommand(name, what);
-    add_bus_options(*sub, arguments->bus, time_out);
-    sub->callback([arguments, &exit_code, run] { exit_code = run(*arguments); });
-    return sub;
-  };
-  const char* const one_device =
-      "Without an address the device must be the only one on the bus that knows LSS.";
+constexpr const char* one_device =
+    "Without an address the device must be the only one on the bus that knows LSS.";
 
+/// Adds commands of `canopus lss`.
+struct Adder {
+  Command& group;
+  std::shared_ptr<LssArguments> arguments;  ///< each command keeps them
+  int& exit_code;
+
+  Command* operator()(const char* name, const char* what, int (*run)(const LssArguments&),
+                      const char* time_out = "for each answer") const {
+    Command* sub = group.add_subcommand(name, what);
+    add_bus_options(*sub, arguments->bus, time_out);
+    sub->callback([kept = arguments, &code = exit_code, run] { code = run(*kept); });
+    return sub;
+  }
+};
+
+void add_finding_commands(const Adder& add) {
+  const auto& arguments = add.arguments;
   Command* sub = add("scan", "Find all devices without a node-ID (fastscan)", lss_scan,
                      "for each answer; a device takes 133 of them, in a slow scan 65");
   sub->add_option("--assign", arguments->assign, "assign node-IDs from this one on")->type_name("1-127");
@@ -290,8 +293,11 @@ void build_lss_command(Command& command, int& exit_code) {
   sub = add("inquire", "Show a device's identity and node-ID", inquire);
   add_address_options(*sub, *arguments);
   sub->footer(one_device);
+}
 
-  sub = add("set-node", "Give one device its node-ID", set_node);
+void add_setting_commands(const Adder& add) {
+  const auto& arguments = add.arguments;
+  Command* sub = add("set-node", "Give one device its node-ID", set_node);
   sub->add_option("NODE-ID", arguments->node, "1 to 127; none removes it (at the next reset)")->required();
   add_address_options(*sub, *arguments);
   sub->add_flag("--store", arguments->store, "store it in the device");
@@ -324,6 +330,18 @@ void build_lss_command(Command& command, int& exit_code) {
       ->required()
       ->check(one_of_words({"waiting", "configuration"}));
   add_address_options(*sub, *arguments);
+}
+
+void build_lss_command(Command& command, int& exit_code) {
+  const auto arguments = std::make_shared<LssArguments>();
+  arguments->bus.time_out = "100ms";
+  command.require_subcommand(1);
+  command.footer(
+      "Only one LSS master at a time may be on a bus.\n"
+      "Exit code: 0 done, 1 no answer, refused, or no bus, 2 wrong command line.");
+  const Adder add{command, arguments, exit_code};
+  add_finding_commands(add);
+  add_setting_commands(add);
 }
 
 }  // namespace

@@ -286,33 +286,22 @@ void add_connection_options(Command& command, PlcArguments& arguments) {
 
 namespace {
 
-void build_plc_command(Command& plc, int& exit_code) {
-  const auto arguments = std::make_shared<PlcArguments>();
-  plc.require_subcommand(1);
-  plc.footer(
-      "Addresses: D100, M0, X1F (X Y B W SB SW in hexadecimal), U3\\G256 for buffer memory; quote the "
-      "backslash.\n"
-      "U3:error_status is buffer memory by the name of the module's manual (canopus plc names).\n"
-      "With --modbus: an AS300's D100, SR7, M0, X0.5, X0 (word), or coil:5 discrete:5 holding:5 input:5.\n"
-      "drive.6041, drive.Statusword, line1:4.6041: a signal that the plant exchanges by PDO, with its unit "
-      "and its bits in words; "
-      "canopus plc\nsignals lists them.\n"
-      "Main.step, list[3].x, counter: variables of the program that a simulated PLC runs, over the control "
-      "server of\nthe plant ([plant] control), as for program, force, unforce, halt, scan, continue, break, "
-      "clear-break, change.\n"
-      "What is written is read back: a CPU answers as if all were well when a word or an input cannot be "
-      "written.\n"
-      "Exit code: 0 done, 1 the PLC refused, shows something else than what was written, or could not be "
-      "reached,\n"
-      "2 wrong command line.");
-  const auto add = [&](const char* name, const char* help, std::function<int()> action) {
+/// Adds commands of `canopus plc` that have a PLC.
+struct Adder {
+  Command& plc;
+  std::shared_ptr<PlcArguments> arguments;  ///< each command keeps them
+  int& exit_code;
+
+  Command* operator()(const char* name, const char* help, std::function<int()> action) const {
     Command& command = *plc.add_subcommand(name, help);
     add_connection_options(command, *arguments);
-    // The shared pointer keeps the arguments as long as the command.
-    command.callback([arguments, &exit_code, action = std::move(action)] { exit_code = action(); });
+    command.callback([kept = arguments, &code = exit_code, action = std::move(action)] { code = action(); });
     return &command;
-  };
+  }
+};
 
+void add_access_commands(const Adder& add) {
+  const auto& arguments = add.arguments;
   auto* reading = add("read", "Show words or bits, a signal or a variable",
                       [arguments] { return with_name(*arguments, read, read_signal, read_variable); });
   add_address(*reading, *arguments, address_or_name);
@@ -341,7 +330,10 @@ void build_plc_command(Command& plc, int& exit_code) {
     add_address(*switching, *arguments, "Y1, M100");
     add_verify_option(*switching, *arguments);
   }
+}
 
+void add_watch_command(const Adder& add) {
+  const auto& arguments = add.arguments;
   auto* watching = add("watch", "Show values and then every change, with its time", [arguments] {
     return with_name(*arguments, watch_plc, watch_signal, watch_variable);
   });
@@ -357,7 +349,10 @@ void build_plc_command(Command& plc, int& exit_code) {
   auto* csv =
       watching->add_flag("--csv", arguments->csv, "a row of all values for each change, for a spreadsheet");
   watching->add_flag("--json", arguments->json, "one JSON object per line with the changes")->excludes(csv);
+}
 
+void add_file_commands(const Adder& add) {
+  const auto& arguments = add.arguments;
   auto* dumping = add("dump", "Write ranges as CSV, for load", [arguments] { return dump_plc(*arguments); });
   dumping
       ->add_option("RANGE", arguments->values, "D100..D199, Y0..Y1F, U0\\G13000..U0\\G13011, or one address")
@@ -369,17 +364,23 @@ void build_plc_command(Command& plc, int& exit_code) {
   loading->add_option("FILE", arguments->file, "CSV of addresses and values; - is the standard input")
       ->required();
   add_verify_option(*loading, *arguments);
+}
 
-  plc.add_subcommand("names", "List the words that have names, for U0:NAME")->callback([&exit_code] {
-    exit_code = list_plc_names();
-  });
+/// Lists of names, without a PLC.
+void add_list_commands(const Adder& add) {
+  const auto& arguments = add.arguments;
+  add.plc.add_subcommand("names", "List the words that have names, for U0:NAME")
+      ->callback([&exit_code = add.exit_code] { exit_code = list_plc_names(); });
 
   Command& signals =
-      *plc.add_subcommand("signals", "List the signals of a plant and their words, for NODE.OBJECT");
+      *add.plc.add_subcommand("signals", "List the signals of a plant and their words, for NODE.OBJECT");
   add_plant_option(signals, *arguments);
   signals.add_option("--name", arguments->plc, "only those of this PLC of the plant")->type_name("NAME");
-  signals.callback([arguments, &exit_code] { exit_code = list_signals(*arguments); });
+  signals.callback([arguments, &exit_code = add.exit_code] { exit_code = list_signals(*arguments); });
+}
 
+void add_remote_commands(const Adder& add) {
+  const auto& arguments = add.arguments;
   using client::PlcOperation;
   add("run", "Remote RUN", [arguments] { return operate(*arguments, PlcOperation::run, no_more); });
   add("stop", "Remote STOP", [arguments] { return operate(*arguments, PlcOperation::stop, no_more); });
@@ -392,6 +393,33 @@ void build_plc_command(Command& plc, int& exit_code) {
     return with_client(*arguments, [&](client::PlcClient& client) { return type(client, *arguments); });
   });
   asking->add_flag("--json", arguments->json, "as one JSON object");
+}
+
+void build_plc_command(Command& plc, int& exit_code) {
+  const auto arguments = std::make_shared<PlcArguments>();
+  plc.require_subcommand(1);
+  plc.footer(
+      "Addresses: D100, M0, X1F (X Y B W SB SW in hexadecimal), U3\\G256 for buffer memory; quote the "
+      "backslash.\n"
+      "U3:error_status is buffer memory by the name of the module's manual (canopus plc names).\n"
+      "With --modbus: an AS300's D100, SR7, M0, X0.5, X0 (word), or coil:5 discrete:5 holding:5 input:5.\n"
+      "drive.6041, drive.Statusword, line1:4.6041: a signal that the plant exchanges by PDO, with its unit "
+      "and its bits in words; "
+      "canopus plc\nsignals lists them.\n"
+      "Main.step, list[3].x, counter: variables of the program that a simulated PLC runs, over the control "
+      "server of\nthe plant ([plant] control), as for program, force, unforce, halt, scan, continue, break, "
+      "clear-break, change.\n"
+      "What is written is read back: a CPU answers as if all were well when a word or an input cannot be "
+      "written.\n"
+      "Exit code: 0 done, 1 the PLC refused, shows something else than what was written, or could not be "
+      "reached,\n"
+      "2 wrong command line.");
+  const Adder add{plc, arguments, exit_code};
+  add_access_commands(add);
+  add_watch_command(add);
+  add_file_commands(add);
+  add_list_commands(add);
+  add_remote_commands(add);
   add_program_commands(plc, arguments, exit_code);
 }
 
