@@ -1,6 +1,8 @@
 // Calls of functions and function blocks.
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 
 #include "canopus/ascii/words.hpp"
 #include "canopus/structured_text/standard.hpp"
@@ -159,6 +161,18 @@ Value UnitCompiler::call(Expression& e, const DataType* want, std::uint32_t into
   return standard_call(e, want, into);
 }
 
+namespace {
+
+/// Instructions of MELSEC that GX Works has as functions, too.
+bool is_instruction(std::string_view name) {
+  constexpr std::array<std::string_view, 17> names = {"MOV",  "DMOV",  "BMOV",  "FMOV", "SET", "RST",
+                                                      "OUT",  "PLS",   "PLF",   "INC",  "DEC", "DINC",
+                                                      "DDEC", "OUT_T", "OUT_C", "FROM", "TO"};
+  return std::ranges::find(names, name) != names.end();
+}
+
+}  // namespace
+
 void UnitCompiler::call_statement(Expression& e) {
   Expression& callee = *e.children.front();
   const auto call_function = [&](UnitInfo& function) {
@@ -179,9 +193,15 @@ void UnitCompiler::call_statement(Expression& e) {
       (void)expression(e, nullptr);
       return;
     }
+    if (unit != nullptr && unit->unit != nullptr && unit->unit->kind == Unit::Kind::program)
+      return error(e.at, "expected a function or an instance: the CPU executes the PROGRAM " +
+                             std::string(callee.written) + " by itself");
     if (unit != nullptr)
       return error(e.at, "expected an instance: a variable of type " + std::string(callee.written));
-    return error(e.at, "there is no function or function block instance " + std::string(callee.written));
+    return error(e.at, "there is no function or function block instance " + std::string(callee.written) +
+                           (is_instruction(callee.name)
+                                ? ": instructions are for lists; expected :=, IF, or a block such as TON"
+                                : ""));
   }
   const Place instance = place(callee);
   if (instance.kind == Place::Kind::none) return;

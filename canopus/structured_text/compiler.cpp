@@ -29,9 +29,9 @@ Compilation compile(std::span<const Source> sources, const program::DeviceNames*
     const auto file = static_cast<std::uint16_t>(made->files.size());
     made->files.push_back(source.name);
     if (bytes > most_bytes || made->files.size() > most_sources) {
-      errors.push_back({{file, 0, 0},
-                        "expected at most " + std::to_string(most_sources) + " files with " +
-                            std::to_string(most_bytes) + " bytes in all"});
+      errors.push_back({{file, 1, 1},
+                        "too much Structured Text: expected at most " + std::to_string(most_sources) +
+                            " files with " + std::to_string(most_bytes) + " bytes in all"});
       break;
     }
     capitals.push_back(ascii::upper(source.text));

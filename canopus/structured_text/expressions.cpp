@@ -131,6 +131,7 @@ const DataType* UnitCompiler::find_natural(Expression& e) {
     }
     case Kind::binary: return binary_type(e);
     case Kind::call: return call_type(e);
+    case Kind::typed_value: return declarations_.type_named(e.name, e.at);
     case Kind::list:
     case Kind::repeat:
     case Kind::fields: error(e.at, "expected a value"); return nullptr;
@@ -155,6 +156,7 @@ const DataType* UnitCompiler::place_type(Expression& e) {
   if (e.kind == Kind::member) {
     Expression& base = *e.children.front();
     if (is_this(base)) return member(e).type;
+    if (const EnumerationValue* const value = qualified_value(e); value != nullptr) return value->type;
     const bool is_device_bit = base.kind == Kind::name && !is_variable(base.name) &&
                                declarations_.enumeration_values(base.name) == nullptr &&
                                declarations_.looks_like_device(base.name);
@@ -371,7 +373,10 @@ const DataType* UnitCompiler::binary_type(Expression& e) {
     return family(*a) == Family::real ? type(a->base) : type(Elementary::lreal);
   }
   if (both == nullptr || !is_number(*both))
-    return wrong("expected numbers beside " + name + ", found " + a->name + " and " + b->name);
+    return wrong("expected numbers beside " + name + ", found " + a->name + " and " + b->name +
+                 (both != nullptr && both->is_scalar() && family(*both) == Family::bits && !is_open(both)
+                      ? ": " + both->name + "_TO_UINT or the like converts it"
+                      : ""));
   if (name == "MOD" && family(*both) == Family::real)
     return wrong("expected integers beside MOD, found " + a->name + " and " + b->name);
   return is_open(both) ? both : type(both->base);
@@ -423,6 +428,7 @@ Value UnitCompiler::plain(Expression& e, const DataType* want, std::uint32_t int
     case Kind::unary: return unary(e, want, into);
     case Kind::binary: return is_comparison(e.name) ? compare(e, into) : binary(e, want, into);
     case Kind::call: return call(e, want, into);
+    case Kind::typed_value: return expression(*e.children.front(), open);
     default: return {};
   }
 }

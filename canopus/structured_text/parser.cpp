@@ -89,6 +89,36 @@ constexpr std::array<std::string_view, 71> keywords = {"AND",
 
 bool is_keyword(std::string_view name) { return std::ranges::find(keywords, name) != keywords.end(); }
 
+/// What stands in place of a word of the standard, or of CODESYS, that is not there.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 20> instead_of = {
+    {{"CONFIGURATION", "tasks are [[plc.task]] of the plant file; VAR_GLOBAL stands by itself"},
+     {"CLASS", "a FUNCTION_BLOCK with methods is one"},
+     {"INTERFACE", "there is no inheritance"},
+     {"NAMESPACE", "there are no namespaces"},
+     {"USING", "there are no namespaces"},
+     {"EXTENDS", "there is no inheritance"},
+     {"IMPLEMENTS", "there is no inheritance"},
+     {"ABSTRACT", "there is no inheritance"},
+     {"FINAL", "there is no inheritance"},
+     {"PROPERTY", "write methods"},
+     {"POINTER", "there are no pointers; VAR_IN_OUT passes a variable itself"},
+     {"REFERENCE", "there are no references; VAR_IN_OUT passes a variable itself"},
+     {"REF_TO", "there are no references; VAR_IN_OUT passes a variable itself"},
+     {"UNION", "there is none; parts of a bit string are x.%B0, x.%W1"},
+     {"AND_THEN", "AND evaluates both sides; write an IF within an IF"},
+     {"OR_ELSE", "OR evaluates both sides; write ELSIF"},
+     {"INITIAL_STEP", "there is no sequential function chart; write a CASE over an enumeration"},
+     {"STEP", "there is no sequential function chart; write a CASE over an enumeration"},
+     {"TRANSITION", "there is no sequential function chart; write a CASE over an enumeration"},
+     {"ACTION", "there are no actions; write a METHOD of a function block"}}};
+
+/// " (...)", or nothing.
+std::string hint_for(std::string_view word) {
+  const auto* const found =
+      std::ranges::find(instead_of, word, &std::pair<std::string_view, std::string_view>::first);
+  return found == instead_of.end() ? std::string() : " (" + std::string(found->second) + ")";
+}
+
 /// END_... or VAR...; "variable" and "end_position" are names like any other.
 bool is_end_or_section(std::string_view name) {
   return (name.starts_with("END_") || name.starts_with("VAR")) && is_keyword(name);
@@ -113,7 +143,11 @@ class Parser {
       } else if (accept("FUNCTION_BLOCK")) {
         tree.units.push_back(unit(Unit::Kind::block, "END_FUNCTION_BLOCK"));
       } else {
-        error("expected PROGRAM, FUNCTION, FUNCTION_BLOCK, TYPE or VAR_GLOBAL");
+        error("expected PROGRAM, FUNCTION, FUNCTION_BLOCK, TYPE or VAR_GLOBAL" + hint_for(now().text));
+        for (const auto& [begin, end] :
+             {std::pair("CONFIGURATION", "END_CONFIGURATION"), std::pair("CLASS", "END_CLASS"),
+              std::pair("INTERFACE", "END_INTERFACE")})
+          if (is(begin)) skip_to({end});  // a PROGRAM in it is none
         skip_to({"TYPE", "VAR_GLOBAL", "PROGRAM", "FUNCTION", "FUNCTION_BLOCK"});
       }
     }
@@ -211,6 +245,7 @@ class Parser {
         if (is_unit_start()) break;
       } else {
         advance();
+        if (is("EXTENDS")) error("expected :" + hint_for(now().text));
         expect(":");
         declaration.type = type();
         if (!is_lost_ && accept(":=")) declaration.initial = initial_value_of(*declaration.type);
@@ -352,20 +387,10 @@ class Parser {
     if (is("(")) {
       found->kind = TypeNode::Kind::enumeration;
       enumeration(*found);
-      return found;
-    }
-    if (is("STRING") || is("WSTRING")) {
-      found->kind = is("STRING") ? TypeNode::Kind::string : TypeNode::Kind::wide_string;
-      advance();
-      const bool is_round = is("(");
-      if (accept("[") || accept("(")) {
-        found->length = expression();
-        expect(is_round ? ")" : "]");
+      if (!is_lost_ && is_name()) {  // (red, green) DINT, as CODESYS has the base type
+        found->name = now().text;
+        advance();
       }
-      return found;
-    }
-    if (is("REF_TO") || ((is("POINTER") || is("REFERENCE")) && matches(ahead(1), "TO"))) {
-      error("expected a type: there are no pointers and references, VAR_IN_OUT hands a variable over");
       return found;
     }
     if (!is_name()) {
@@ -482,6 +507,11 @@ class Parser {
     } else {
       error("expected the name of the " + std::string(text_of(kind)));
     }
+    if (is("EXTENDS") || is("IMPLEMENTS")) error("expected VAR or statements" + hint_for(now().text));
+    if ((found.name == "ABSTRACT" || found.name == "FINAL") && is_name() && !matches(ahead(1), ":=") &&
+        !matches(ahead(1), "("))
+      error_at(tokens_[at_ - 1],
+               "expected the name of the " + std::string(text_of(kind)) + hint_for(found.name));
     if (!is_lost_ && is(":")) {
       if (kind != Unit::Kind::function && kind != Unit::Kind::method)
         error("expected VAR or statements: only a function or a method has a result");
@@ -495,6 +525,8 @@ class Parser {
     statements(found.body);
     while (!is_end() && !is(end)) {
       if (is_unit_start()) break;
+      // The standard has methods before the statements; exports have them behind, too.
+      if (kind == Unit::Kind::block && method(found)) continue;
       error("expected a statement or " + std::string(end));
       is_lost_ = false;
       advance();
@@ -527,6 +559,12 @@ class Parser {
          {"VAR_IN_OUT", Section::in_out},
          {"VAR_TEMP", Section::temporary},
          {"VAR_EXTERNAL", Section::external}}};
+    if (is("VAR_STAT") || is("VAR_INST")) {  // of CODESYS
+      error("expected VAR");
+      advance();
+      unit.sections.push_back(section(Section::local));
+      return true;
+    }
     for (const auto& [name, kind] : kinds) {
       if (!accept(name)) continue;
       unit.sections.push_back(section(kind));
@@ -538,9 +576,9 @@ class Parser {
   // Statements
 
   [[nodiscard]] bool ends_statements() const {
-    return is_end() ||
-           (now().kind == Kind::name && (is_end_or_section(now().text) || now().text == "ELSE" ||
-                                         now().text == "ELSIF" || now().text == "UNTIL" || is_unit_start()));
+    return is_end() || (now().kind == Kind::name &&
+                        (is_end_or_section(now().text) || now().text == "ELSE" || now().text == "ELSIF" ||
+                         now().text == "UNTIL" || now().text == "METHOD" || is_unit_start()));
   }
 
   void statements(Statements& to) {
@@ -596,13 +634,25 @@ class Parser {
       } else if (found.target->kind == Expr::call) {
         found.kind = S::call;
       } else {
-        error("expected :=");
+        error("expected :=" + hint_for_assignment(*found.target));
       }
     } else {
-      error("expected a statement");
+      error("expected a statement" + hint_for(now().text));
     }
     if (!is_lost_ && !accept(";") && !ends_block(found.kind)) error("expected ;");
     if (!is_lost_) to.push_back(std::move(found));
+  }
+  /// Of a word that began a statement of another language, or of what stands where := is expected.
+  [[nodiscard]] std::string hint_for_assignment(const Expression& target) const {
+    if (target.kind == Expr::name && now().kind == Kind::name) {
+      if (const std::string hint = hint_for(target.name); !hint.empty()) return hint;
+      if (target.name == "LD" || target.name == "LDN")
+        return " (lists of the standard are not there; write Structured Text)";
+    }
+    if (is("^")) return hint_for("POINTER");
+    if (matches(ahead(1), "=") && is("REF")) return hint_for("REFERENCE");
+    if (matches(ahead(1), "=") && (is("S") || is("R"))) return " (write IF and := TRUE or FALSE)";
+    return {};
   }
   /// END_IF and its like may stand without a semicolon before another END.
   [[nodiscard]] bool ends_block(Statement::Kind kind) const {
@@ -733,6 +783,8 @@ class Parser {
       left = std::move(found);
     }
     if (level > 0) ++depth_;
+    if (level == 0 && (is("AND_THEN") || is("OR_ELSE")))
+      error(std::string("expected ") + (is("AND_THEN") ? "AND" : "OR") + hint_for(now().text));
     return left;
   }
 
@@ -775,6 +827,8 @@ class Parser {
         advance();
         member->children.push_back(std::move(found));
         found = std::move(member);
+      } else if (is("^") && found->kind == Expr::name && found->name == "THIS") {
+        advance();  // THIS^.x is THIS.x in CODESYS
       } else if (is("(") &&
                  (found->kind == Expr::name || found->kind == Expr::member || found->kind == Expr::index)) {
         found = call(std::move(found));

@@ -82,6 +82,18 @@ std::optional<Place> UnitCompiler::own_variable(Expression& expression) {
   return std::nullopt;
 }
 
+std::string UnitCompiler::what_it_is(std::string_view name) {
+  if (const UnitInfo* const unit = declarations_.unit_named(name); unit != nullptr && unit->unit != nullptr)
+    return unit->unit->kind == Unit::Kind::program
+               ? ": it is a PROGRAM, whose variables are its own; use VAR_GLOBAL"
+               : "";
+  const bool is_decimal =
+      name.size() > 1 && name[0] == 'K' && std::ranges::all_of(name.substr(1), ascii::is_digit);
+  if (is_decimal) return "; expected " + std::string(name.substr(1));
+  const bool is_hexadecimal = name.size() > 1 && name[0] == 'H' &&
+                              name.find_first_not_of("0123456789ABCDEF", 1) == std::string_view::npos;
+  return is_hexadecimal ? "; expected 16#" + std::string(name.substr(1)) : "";
+}
 Place UnitCompiler::named(Expression& expression) {
   const std::string_view name = expression.name;
   if (name == "TRUE" || name == "FALSE") {
@@ -132,7 +144,7 @@ Place UnitCompiler::named(Expression& expression) {
     auto access = declarations_.device(name, {}, expression.at);
     return access ? device_place(*access) : Place{};
   }
-  error(expression.at, "there is no variable " + std::string(expression.written));
+  error(expression.at, "there is no variable " + std::string(expression.written) + what_it_is(name));
   return {};
 }
 
@@ -180,8 +192,24 @@ Place UnitCompiler::member_of(const Place& whole, const Member& member) {
   return found;
 }
 
+const EnumerationValue* UnitCompiler::qualified_value(const Expression& member) {
+  const Expression& base = *member.children.front();
+  if (base.kind != Expression::Kind::name || is_variable(base.name)) return nullptr;
+  const auto* const values = declarations_.enumeration_values(member.name);
+  if (values == nullptr) return nullptr;
+  const auto found = std::ranges::find_if(*values, [&](const EnumerationValue& value) {
+    return ascii::equal_ignoring_case(value.type->name, base.name);
+  });
+  return found == values->end() ? nullptr : &*found;
+}
 Place UnitCompiler::member(Expression& expression) {
   Expression& base = *expression.children.front();
+  if (const EnumerationValue* const value = qualified_value(expression); value != nullptr) {
+    Place found{.kind = Place::Kind::constant, .type = value->type, .value = static_cast<Slot>(value->value)};
+    found.is_constant = true;
+    found.why_constant = "expected a variable";
+    return found;
+  }
   // D100.3: a bit of a word device
   if (base.kind == Expression::Kind::name && !is_variable(base.name) &&
       declarations_.enumeration_values(base.name) == nullptr && declarations_.looks_like_device(base.name)) {

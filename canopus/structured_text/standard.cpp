@@ -146,6 +146,33 @@ const Function* function_named(std::string_view name) {
   return found == functions.end() ? nullptr : found;
 }
 
+/// ADD_INT, SHL_WORD ...: an overloaded function whose inputs are of that type [IEC 61131-3 table 21].
+struct TypedFunction {
+  const Function* function;
+  std::string_view type;
+};
+std::optional<TypedFunction> typed_function_named(std::string_view name) {
+  const std::size_t end = name.find('_');
+  if (end == std::string_view::npos || !program::elementary_named(name.substr(end + 1))) return std::nullopt;
+  const Function* const function = function_named(name.substr(0, end));
+  if (function == nullptr) return std::nullopt;
+  switch (function->which) {
+    case Standard::op:
+    case Standard::not_:
+    case Standard::move:
+    case Standard::absolute:
+    case Standard::of_real:
+    case Standard::shift:
+    case Standard::rotate:
+    case Standard::select:
+    case Standard::multiplex:
+    case Standard::maximum:
+    case Standard::minimum:
+    case Standard::limit: return TypedFunction{function, name.substr(end + 1)};
+    default: return std::nullopt;
+  }
+}
+
 /// INT_TO_REAL, TO_REAL, REAL_TRUNC_INT, TRUNC_INT, WORD_BCD_TO_UINT, BCD_TO_UINT, UINT_TO_BCD_WORD, TO_BCD_WORD.
 struct Conversion {
   std::optional<Elementary> from;  ///< none: whatever the argument is
@@ -235,7 +262,8 @@ std::optional<DateFunction> date_function(std::string_view name) {
 bool is_split(std::string_view name) { return name.starts_with("SPLIT_") && date_function(name).has_value(); }
 
 bool is_standard_function(std::string_view name) {
-  return function_named(name) != nullptr || conversion_named(name).has_value();
+  return function_named(name) != nullptr || conversion_named(name).has_value() ||
+         typed_function_named(name).has_value();
 }
 
 /// SPLIT_DATE(IN := d, YEAR => y, MONTH => m, DAY => k): the standard functions with several results.
@@ -338,6 +366,26 @@ std::vector<Expression*> UnitCompiler::arguments_of(Expression& call, std::size_
   return found;
 }
 
+namespace {
+
+/// The inputs of a typed function, but for what selects, and for places of a shift and an exponent.
+void type_inputs(Expression& call, const Function& function, std::string_view type) {
+  const bool has_selector = function.which == Standard::select || function.which == Standard::multiplex;
+  const bool has_one =
+      function.which == Standard::shift || function.which == Standard::rotate || function.name == "EXPT";
+  const std::size_t end = has_one ? 1 : call.arguments.size();
+  for (std::size_t i = has_selector ? 1 : 0; i < end; ++i) {
+    auto typed = std::make_unique<Expression>();
+    typed->kind = Expression::Kind::typed_value;
+    typed->at = call.arguments[i].value->at;
+    typed->name = type;
+    typed->children.push_back(std::move(call.arguments[i].value));
+    call.arguments[i].value = std::move(typed);
+  }
+}
+
+}  // namespace
+
 const DataType* UnitCompiler::standard_type(Expression& e) {
   const auto wrong = [&](const DataType* found, std::string_view expected) -> const DataType* {
     if (found != nullptr)
@@ -348,7 +396,15 @@ const DataType* UnitCompiler::standard_type(Expression& e) {
     if (!arrange(e, "IN", 1, 1)) return nullptr;
     return type(conversion->to);
   }
-  const Function* const function = function_named(e.name);
+  const Function* function = function_named(e.name);
+  std::string_view of_inputs;
+  if (function == nullptr) {
+    if (const auto typed = typed_function_named(e.name)) {
+      function = typed->function;
+      of_inputs = typed->type;
+      e.name = function->name;
+    }
+  }
   if (function == nullptr) {
     error(e.at, "there is no function " + std::string(e.written));
     return nullptr;
@@ -358,6 +414,7 @@ const DataType* UnitCompiler::standard_type(Expression& e) {
   constexpr std::size_t most_inputs = 1000;
   if (!arrange(e, function->parameters, is_variadic ? 2 : named, is_variadic ? most_inputs : named))
     return nullptr;
+  if (!of_inputs.empty()) type_inputs(e, *function, of_inputs);
   const auto argument = [&](std::size_t number) { return natural(*e.arguments[number].value); };
   switch (function->which) {
     case Standard::op: {

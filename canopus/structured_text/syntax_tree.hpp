@@ -39,9 +39,10 @@ struct Expression {
     unary,
     binary,
     call,
-    list,    ///< initial value of an array: [1, 2, 3(0)]
-    repeat,  ///< 3(0) in it: how often, then what
-    fields   ///< initial value of a structure: (a := 1)
+    typed_value,  ///< the first child as type `name`: an input of ADD_INT
+    list,         ///< initial value of an array: [1, 2, 3(0)]
+    repeat,       ///< 3(0) in it: how often, then what
+    fields        ///< initial value of a structure: (a := 1)
   };
   Kind kind = Kind::wrong;
   SourcePosition at{};

@@ -48,7 +48,8 @@ class Lexer {
   [[nodiscard]] bool is_at(std::string_view text) const { return source_.substr(at_).starts_with(text); }
   void advance(std::size_t count = 1) {
     for (; count > 0 && at_ < source_.size(); --count, ++at_) {
-      if (source_[at_] == '\n') {
+      // A line ends with LF, CR LF, or CR alone.
+      if (source_[at_] == '\n' || (source_[at_] == '\r' && peek(1) != '\n')) {
         ++line_;
         line_start_ = at_ + 1;
       }
@@ -68,7 +69,7 @@ class Lexer {
           is_at("\xEF\xBB\xBF")) {
         advance(is_at("\xEF\xBB\xBF") ? 3 : 1);
       } else if (is_at("//")) {
-        while (at_ < source_.size() && peek() != '\n') advance();
+        while (at_ < source_.size() && peek() != '\n' && peek() != '\r') advance();
       } else if (is_at("(*")) {
         skip_comment("(*", "*)", start);
       } else if (is_at("/*")) {
@@ -233,7 +234,7 @@ class Lexer {
   Token string(std::size_t start, SourcePosition at) {
     const char quote = peek();
     advance();
-    while (at_ < source_.size() && peek() != quote && peek() != '\n')
+    while (at_ < source_.size() && peek() != quote && peek() != '\n' && peek() != '\r')
       advance(peek() == '$' && peek(1) != '\n' ? 2 : 1);
     Token found = token(quote == '\'' ? Kind::string : Kind::wide_string, start, at);
     found.text = source_.substr(start + 1, at_ - start - 1);

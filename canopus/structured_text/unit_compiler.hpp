@@ -162,6 +162,10 @@ class UnitCompiler {
   static bool is_device_array(const Place& place) {
     return place.kind == Place::Kind::device && !place.type->is_scalar();
   }
+  /// What stands behind "there is no variable": what has that name, or what to write.
+  std::string what_it_is(std::string_view name);
+  /// Color.red, as CODESYS writes Color#red; nullptr: it is none.
+  const EnumerationValue* qualified_value(const Expression& member);
   Place member(Expression& expression);
   Place indexed(Expression& expression);
   Place device_place(const DeviceAccess& access, const DataType* type = nullptr, bool is_constant = false);

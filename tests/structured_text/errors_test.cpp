@@ -67,7 +67,9 @@ TEST(StructuredTextErrors, Statements_NameThePlaceAndWhatWasExpected) {
            {"x := 'a';", "3:6: expected INT, found STRING[1]: STRING_TO_INT converts it"},
            {"x := 40000;", "3:6: expected a value within the range of INT, found 40000"},
            {"x := -32769;", "3:6: expected a value within the range of INT, found -32769"},
-           {"x := w + 1;", "3:8: expected numbers beside +, found WORD and integer literal"},
+           {"x := w + 1;",
+            "3:8: expected numbers beside +, found WORD and integer literal: WORD_TO_UINT or the like "
+            "converts it"},
            {"w := x AND 1;", "3:8: expected BOOL or bit strings beside AND, found INT and integer literal"},
            {"b := x = 'a';", "3:8: expected values that can be compared by =, found INT and STRING"},
            {"a[4] := 1;", "3:3: expected an index from 1 to 3"},
@@ -264,7 +266,7 @@ TEST(StructuredTextErrors, MoreThanTheMemoryPermits_IsRefused) {
   for (int i = 0; i < 10'000; ++i) values += ", v" + std::to_string(i);
   EXPECT_EQ(errors_of(values + "); END_TYPE"), "main.st:1:10: expected at most 5000 values\n");
   EXPECT_EQ(errors_of(std::string(2'000'001, ' ')),
-            "main.st:0:0: expected at most 1000 files with 2000000 bytes in all\n");
+            "main.st:1:1: too much Structured Text: expected at most 1000 files with 2000000 bytes in all\n");
   const std::string many = errors_of(std::string(10'000, '?'));
   EXPECT_LE(std::count(many.begin(), many.end(), '\n'), 100);
 }
