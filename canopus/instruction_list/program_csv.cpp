@@ -141,6 +141,11 @@ ProgramText read_program_csv(const std::string& file, std::string_view bytes,
     errors.push_back({file, 1, text.error()});
     return {};
   }
+  if (text->contains('\0')) {
+    errors.push_back(
+        {file, 1, "there is a zero byte; expected UTF-16 with a byte order mark, UTF-8 or CP932"});
+    return {};
+  }
   return Reader(file, errors).read(*text);
 }
 

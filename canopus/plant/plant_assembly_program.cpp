@@ -26,6 +26,7 @@
 #include "canopus/program/variables.hpp"
 #include "canopus/store/file_memory.hpp"
 #include "canopus/structured_text/compiler.hpp"
+#include "canopus/text/csv.hpp"
 #include "canopus/text/file_text.hpp"
 #include "canopus/text/nearest_word.hpp"
 
@@ -148,10 +149,29 @@ PlcProgram load_native_code(const PlcSection& plc, const std::filesystem::path& 
 
 void add_mistakes(const ProgramFile& file, std::string_view key,
                   std::span<const structured_text::CompileError> mistakes, text::FileErrors& errors) {
+  constexpr std::size_t longest = 500;  // a name of the file may have any length
   for (const structured_text::CompileError& error : mistakes) {
-    errors.add(file.place, "{} = \"{}\": {}:{}:{}: {}", key, file.path, error.file, error.line, error.column,
-               error.message);
+    const bool is_long = error.message.size() > longest;
+    errors.add(file.place, "{} = \"{}\": {}:{}:{}: {}{}", key, file.path, error.file, error.line,
+               error.column, std::string_view(error.message).substr(0, longest), is_long ? " ..." : "");
   }
+}
+
+/// The bytes of a program as they are, but UTF-16 as UTF-8. CP932 stays: those are the bytes of a text on a real PLC.
+bool is_text(const ProgramFile& file, std::string& bytes, text::FileErrors& errors) {
+  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) {
+    if (auto utf8 = text::utf8_of(bytes)) {
+      bytes = std::move(*utf8);
+    } else {
+      errors.add(file.place, "program = \"{}\": {}", file.path, utf8.error());
+      return false;
+    }
+  }
+  if (!bytes.contains('\0')) return true;
+  errors.add(file.place,
+             "program = \"{}\": there is a zero byte; expected UTF-8, or UTF-16 with a byte order mark",
+             file.path);
+  return false;
 }
 
 /// The Structured Text of a PLCopen XML.
@@ -232,6 +252,8 @@ PlcProgram compile_program(const PlcSection& plc, const std::string& plant_file)
       errors.add(file.place, "program = \"{}\": {}", file.path, text.error());
       continue;
     }
+    const bool is_list = ascii::lower(path).ends_with(".csv");  // has its own encodings
+    if (!is_list && !is_text(file, *text, errors)) continue;
     if (ascii::lower(path).ends_with(".xml")) *text = plcopen_text(file, path, *text, errors);
     sources.push_back({path, std::move(*text)});
     files.push_back(&file);

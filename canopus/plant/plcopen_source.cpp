@@ -31,6 +31,17 @@ constexpr std::array<std::pair<const char*, const char*>, 8> variable_lists = {
 std::string_view element_name(xml_node node) { return eds::xml::local_name(node.name()); }
 xml_node child_of(xml_node parent, std::string_view name) { return eds::xml::child(parent, name); }
 
+bool is_added(xml_node data, std::string_view kind) {
+  return element_name(data) == "data" &&
+         std::string_view(data.attribute("name").value()).ends_with(std::string("/plcopenxml/").append(kind));
+}
+/// <addData><data name="http://www.3s-software.com/plcopenxml/KIND">, as CODESYS writes it.
+xml_node added(xml_node to, std::string_view kind) {
+  for (const xml_node data : child_of(to, "addData").children())
+    if (is_added(data, kind)) return data;
+  return {};
+}
+
 xml_node first_element_of(xml_node parent) {
   for (const xml_node node : parent.children())
     if (node.type() == pugi::node_element) return node;
@@ -43,13 +54,8 @@ class PlcopenWriter {
       : file_(file), document_(document), to_(to) {}
 
   void write(xml_node project) {
-    const xml_node types = child_of(project, "types");
-    for (const xml_node type : child_of(types, "dataTypes").children())
-      if (element_name(type) == "dataType") data_type(type);
-    walk_globals(child_of(project, "instances"), 0);
-    for (const xml_node pou : child_of(types, "pous").children())
-      if (element_name(pou) == "pou") unit(pou);
-    if (units_ == 0) error(project, "expected <types><pous><pou> with a body of <ST>");
+    walk(project, 0);
+    if (units_ == 0) error(project, "expected a <pou> with a body of <ST>");
     if (is_too_long_)
       error(project, fmt::format("expected at most {} bytes of Structured Text", longest_source));
   }
@@ -198,7 +204,8 @@ class PlcopenWriter {
 
   void variables(xml_node list, std::string_view keyword) {
     std::string words(keyword);
-    for (const auto& [attribute, word] : {std::pair("constant", "CONSTANT"), std::pair("retain", "RETAIN")})
+    for (const auto& [attribute, word] : {std::pair("constant", "CONSTANT"), std::pair("retain", "RETAIN"),
+                                          std::pair("persistent", "PERSISTENT")})
       if (list.attribute(attribute).as_bool()) words += fmt::format(" {}", word);
     go_to(document_.position(list).line);
     add(words + ' ');
@@ -211,6 +218,9 @@ class PlcopenWriter {
   }
 
   void data_type(xml_node type) {
+    if (!added(type, "datatypeinheritance").empty())
+      error(type, fmt::format("EXTENDS of {} is not there; expected a STRUCT with all its elements",
+                              type.attribute("name").value()));
     go_to(document_.position(type).line);
     add(fmt::format("TYPE {} : {}", word(type, "name"), type_text(child_of(type, "baseType"))));
     if (const xml_node initial = child_of(type, "initialValue"); !initial.empty())
@@ -227,14 +237,29 @@ class PlcopenWriter {
     }
   }
 
-  /// Global variables of configurations and resources.
-  void walk_globals(xml_node node, int depth) {
+  /// Types, global variables and units in the order of the file, wherever they stand: TC6 has them below <types> and <instances>,
+  /// CODESYS also in <addData> of the resource or the project.
+  void walk(xml_node node, int depth) {
     for (const xml_node inner : node.children()) {
-      if (element_name(inner) == "globalVars")
-        variables(inner, "VAR_GLOBAL");
-      else if (depth < deepest_nesting)
-        walk_globals(inner, depth + 1);
+      const std::string_view name = element_name(inner);
+      if (name == "dataType") {
+        data_type(inner);
+      } else if (name == "globalVars") {
+        globals(inner);
+      } else if (name == "pou") {
+        unit(inner);
+      } else if (depth < deepest_nesting) {
+        walk(inner, depth + 1);
+      }
     }
+  }
+
+  /// Lists with several attributes have them once more in <addData>, one for each attribute.
+  void globals(xml_node list) {
+    const xml_node mixed = child_of(added(list, "mixedattrsvarlist"), "MixedAttrsVarList");
+    if (mixed.empty()) return variables(list, "VAR_GLOBAL");
+    for (const xml_node one : mixed.children())
+      if (element_name(one) == "globalVars") variables(one, "VAR_GLOBAL");
   }
 
   void unit(xml_node pou) {
@@ -245,24 +270,71 @@ class PlcopenWriter {
                                      : type == "function"      ? "FUNCTION"
                                                                : "";
     if (keyword.empty()) return error(pou, "pouType: expected program, functionBlock or function");
-    const xml_node body = child_of(child_of(pou, "body"), "ST");
-    if (body.empty()) {
-      const xml_node other = first_element_of(child_of(pou, "body"));
-      return error(other.empty() ? pou : other,
-                   fmt::format("the body of {} is {}; expected <ST>", pou.attribute("name").value(),
-                               other.empty() ? "missing" : fmt::format("<{}>", element_name(other))));
-    }
+    if (!added(pou, "pouinheritance").empty())
+      error(pou, fmt::format("EXTENDS and IMPLEMENTS of {} are not there; expected a block of its own",
+                             pou.attribute("name").value()));
+    const xml_node body = text_body(pou);
+    if (body.empty()) return;
     go_to(document_.position(pou).line);
     add(fmt::format("{} {}", keyword, word(pou, "name")));
-    const xml_node interface = child_of(pou, "interface");
-    if (const xml_node result = child_of(interface, "returnType"); keyword == "FUNCTION" && !result.empty())
+    interface_text(pou, keyword == "FUNCTION");
+    const bool is_block = keyword == "FUNCTION_BLOCK";
+    for (const xml_node action : child_of(pou, "actions").children())
+      if (element_name(action) == "action") is_block ? method(action) : no_action(pou, action);
+    add_text(body, 0);
+    for (const xml_node data : child_of(pou, "addData").children()) {
+      if (is_added(data, "property"))
+        error(data, fmt::format("property {} is not there; expected methods",
+                                first_element_of(data).attribute("name").value()));
+      if (is_added(data, "method")) method(first_element_of(data));
+    }
+    add(fmt::format("\nEND_{} ", keyword));  // behind a comment
+  }
+
+  /// <body><ST>; empty, and reported: there is another one, or none.
+  xml_node text_body(xml_node holder) {
+    const xml_node body = child_of(child_of(holder, "body"), "ST");
+    if (body.empty()) {
+      const xml_node other = first_element_of(child_of(holder, "body"));
+      error(other.empty() ? holder : other,
+            fmt::format("the body of {} is {}; expected <ST>", holder.attribute("name").value(),
+                        other.empty() ? "missing" : fmt::format("<{}>", element_name(other))));
+    }
+    return body;
+  }
+
+  /// Result and variables.
+  void interface_text(xml_node holder, bool has_result) {
+    const xml_node interface = child_of(holder, "interface");
+    if (const xml_node result = child_of(interface, "returnType"); has_result && !result.empty())
       add(" : " + type_text(result));
     add(" ");
     for (const xml_node list : interface.children())
       for (const auto& [element, words] : variable_lists)
         if (element_name(list) == element) variables(list, words);
+  }
+
+  /// A method of CODESYS, or an action: one without variables of its own.
+  void method(xml_node from) {
+    const std::string name = word(from, "name");
+    if (const std::string upper = ascii::upper(name);
+        upper == "FB_INIT" || upper == "FB_REINIT" || upper == "FB_EXIT")
+      return error(from, fmt::format("{} is not called by itself here; expected initial values", name));
+    const xml_node body = text_body(from);
+    if (body.empty()) return;
+    add("\n");  // behind a comment
+    go_to(document_.position(from).line);
+    add("METHOD " + name);
+    interface_text(from, true);
     add_text(body, 0);
-    add(fmt::format("\nEND_{} ", keyword));  // behind a comment
+    add("\nEND_METHOD ");
+  }
+
+  void no_action(xml_node pou, xml_node action) {
+    error(
+        action,
+        fmt::format("action {}: only a function block has actions; expected its statements in the body of {}",
+                    action.attribute("name").value(), pou.attribute("name").value()));
   }
 
   const std::string& file_;

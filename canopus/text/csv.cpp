@@ -95,8 +95,8 @@ std::vector<std::string> CsvReader::row(std::string& error) {
     } else if (c == separator_) {
       fields.push_back(std::exchange(field, {}));
       is_closed = false;
-    } else if (c == '\n') {
-      ++at_;
+    } else if (c == '\n' || (c == '\r' && at_ + 1 < text_.size() && text_[at_ + 1] != '\n')) {
+      ++at_;  // LF, CR LF, or CR alone
       ++line_;
       break;
     } else if (c == '"' && field.empty() && !is_closed) {

@@ -98,6 +98,120 @@ TEST_F(ProgramFiles, PlcopenXml_MistakesHaveTheLinesOfTheFile) {
   EXPECT_THAT(check(plant("program = [\"main.xml\"]\n")), ElementsAre(HasSubstr("main.xml:6:")));
 }
 
+/// As CODESYS exports a device: types and units in <addData> of the resource, methods in <addData> of their block.
+constexpr const char* device_export = R"(<?xml version="1.0" encoding="utf-8"?>
+<project xmlns="http://www.plcopen.org/xml/tc6_0200">
+  <types><dataTypes/><pous/></types>
+  <instances><configurations><configuration name="Device"><resource name="Application">
+    <globalVars name="Counts" constant="true">
+      <variable name="most"><type><INT/></type><initialValue><simpleValue value="9"/></initialValue></variable>
+      <variable name="sum"><type><INT/></type></variable>
+      <addData><data name="http://www.3s-software.com/plcopenxml/mixedattrsvarlist" handleUnknown="implementation"><MixedAttrsVarList>
+        <globalVars name="Counts" constant="true">
+          <variable name="most"><type><INT/></type><initialValue><simpleValue value="9"/></initialValue></variable>
+        </globalVars>
+        <globalVars name="Counts" persistent="true"><variable name="sum"><type><INT/></type></variable></globalVars>
+      </MixedAttrsVarList></data></addData>
+    </globalVars>
+    <addData>
+      <data name="http://www.3s-software.com/plcopenxml/datatype" handleUnknown="implementation">
+        <dataType name="Kind"><baseType><enum><values><value name="add" value="0"/><value name="clear" value="5"/></values></enum></baseType></dataType>
+      </data>
+      <data name="http://www.3s-software.com/plcopenxml/pou" handleUnknown="implementation">
+        <pou name="Meter" pouType="functionBlock">
+          <interface><localVars><variable name="total"><type><INT/></type></variable></localVars></interface>
+          <actions><action name="Clear"><body><ST><xhtml xmlns="http://www.w3.org/1999/xhtml">total := 0; // all of it</xhtml></ST></body></action></actions>
+          <body><ST><xhtml xmlns="http://www.w3.org/1999/xhtml">total := total + 1;
+sum := Twice(total); // so far</xhtml></ST></body>
+          <addData>
+            <data name="http://www.3s-software.com/plcopenxml/method" handleUnknown="implementation">
+              <Method name="Twice">
+                <interface><returnType><INT/></returnType><inputVars><variable name="n"><type><INT/></type></variable></inputVars></interface>
+                <body><ST><xhtml xmlns="http://www.w3.org/1999/xhtml">Twice := 2 * n;</xhtml></ST></body>
+              </Method>
+            </data>
+          </addData>
+        </pou>
+      </data>
+      <data name="http://www.3s-software.com/plcopenxml/pou" handleUnknown="implementation">
+        <pou name="Main" pouType="program">
+          <interface><localVars>
+            <variable name="meter"><type><derived name="Meter"/></type></variable>
+            <variable name="wanted"><type><derived name="Kind"/></type></variable>
+          </localVars></interface>
+          <body><ST><xhtml xmlns="http://www.w3.org/1999/xhtml">meter();
+IF sum &gt; most THEN
+  meter.Clear();
+  wanted := Kind.clear;
+END_IF</xhtml></ST></body>
+        </pou>
+      </data>
+    </addData>
+  </resource></configuration></configurations></instances>
+</project>
+)";
+
+TEST_F(ProgramFiles, PlcopenXmlOfCodesys_UnitsMethodsActionsAndGlobalsOfTheDevice_AreExecuted) {
+  write("main.xml", device_export);
+  const auto made = load(plant("program = [\"main.xml\"]\nscan = \"10ms\"\n"), *this);
+  ASSERT_NE(made, nullptr);
+  made->power_on();
+  const program::Machine& machine = made->program(0)->machine();
+  EXPECT_EQ(machine.read("sum"), "2");
+  made->timeline().run_until(made->timeline().now() + 45ms);
+  EXPECT_EQ(machine.read("sum"), "10");
+  EXPECT_EQ(machine.read("Main.wanted"), "clear");
+}
+
+TEST_F(ProgramFiles, PlcopenXmlOfCodesys_MistakesHaveTheLinesOfTheFile) {
+  std::string text = device_export;
+  text.replace(text.find("2 * n"), 5, "2 * m");
+  text.replace(text.find("sum := Twice"), 3, "sun");
+  write("main.xml", text);
+  const auto errors = check(plant("program = [\"main.xml\"]\n"));
+  EXPECT_THAT(errors, Contains(HasSubstr("main.xml:24:1: there is no variable sun")));
+  EXPECT_THAT(errors, Contains(HasSubstr("main.xml:29:")));
+}
+
+TEST_F(ProgramFiles, StructuredTextInUtf16_IsReadWithAByteOrderMark) {
+  const std::string text = "PROGRAM P VAR n : INT; END_VAR n := 7; END_PROGRAM";
+  std::string little = "\xFF\xFE", big = "\xFE\xFF";
+  for (const char c : text) {
+    little += {c, '\0'};
+    big += {'\0', c};
+  }
+  for (const std::string& bytes : {little, big}) {
+    write("main.st", bytes);
+    const auto made = load(plant("program = [\"main.st\"]\n"), *this);
+    ASSERT_NE(made, nullptr);
+    made->power_on();
+    EXPECT_EQ(made->program(0)->machine().read("P.n"), "7");
+  }
+  write("main.st", little.substr(2));
+  EXPECT_THAT(
+      check(plant("program = [\"main.st\"]\n")),
+      ElementsAre(
+          "plant.toml:7:12: program = \"main.st\": there is a zero byte; expected UTF-8, or UTF-16 with "
+          "a byte order mark"));
+  write("MAIN.csv", little.substr(2));
+  EXPECT_THAT(check(plant("program = [\"MAIN.csv\"]\n")),
+              ElementsAre(HasSubstr("MAIN.csv:1:1: there is a zero byte")));
+}
+
+TEST_F(ProgramFiles, AMistakeWithALongName_IsCut) {
+  write("main.st", "PROGRAM P " + std::string(100'000, 'x') + " := 1; END_PROGRAM");
+  const auto errors = check(plant("program = [\"main.st\"]\n"));
+  ASSERT_THAT(errors, ElementsAre(HasSubstr("main.st:1:11: there is no variable xxx")));
+  EXPECT_LT(errors.front().size(), 700U);
+}
+
+TEST_F(ProgramFiles, ListWithLinesThatEndWithCarriageReturnsAlone_IsRead) {
+  write("MAIN.csv",
+        "\"MAIN\"\r\"0\",\"\",\"LD\",\"SM400\"\r\"1\",\"\",\"OUT\",\"M0\"\r\"2\",\"\",\"FOO\",\"M1\"\r\"3\","
+        "\"\",\"END\",\"\"\r");
+  EXPECT_THAT(check(plant("program = [\"MAIN.csv\"]\n")), ElementsAre(HasSubstr("MAIN.csv:4:1: 'FOO'")));
+}
+
 TEST(PlcopenSource, WhatIsNoStructuredText_IsRefusedWithItsPlace) {
   const auto errors = [](std::string_view text) {
     std::vector<std::string> all;
@@ -110,13 +224,38 @@ TEST(PlcopenSource, WhatIsNoStructuredText_IsRefusedWithItsPlace) {
   };
   EXPECT_THAT(errors("<a/>"), ElementsAre("1: expected PLCopen XML: <project>"));
   EXPECT_EQ(errors("<project>").size(), 1U);
-  EXPECT_THAT(errors("<project/>"), ElementsAre("1: expected <types><pous><pou> with a body of <ST>"));
+  EXPECT_THAT(errors("<project/>"), ElementsAre("1: expected a <pou> with a body of <ST>"));
   EXPECT_THAT(errors(pou("name='P' pouType='program'", "<body><LD/></body>")),
               ElementsAre("2: the body of P is <LD>; expected <ST>"));
   EXPECT_THAT(errors(pou("name='P' pouType='program'", "")),
               ElementsAre("2: the body of P is missing; expected <ST>"));
   EXPECT_THAT(errors(pou("name='P' pouType='class'", "")),
               ElementsAre("2: pouType: expected program, functionBlock or function"));
+  const std::string vendor = "http://www.3s-software.com/plcopenxml/";
+  const auto with_data = [&](const std::string& kind, const std::string& inner) {
+    return errors(pou("name='P' pouType='functionBlock'", "<body><ST/></body><addData><data name='" + vendor +
+                                                              kind + "'>" + inner + "</data></addData>"));
+  };
+  EXPECT_THAT(with_data("pouinheritance", "<Inheritance/>"),
+              ElementsAre("2: EXTENDS and IMPLEMENTS of P are not there; expected a block of its own"));
+  EXPECT_THAT(with_data("property", "<Property name='speed'/>"),
+              ElementsAre("2: property speed is not there; expected methods"));
+  EXPECT_THAT(with_data("method", "<Method name='FB_Init'/>"),
+              ElementsAre("2: FB_Init is not called by itself here; expected initial values"));
+  EXPECT_THAT(with_data("method", "<Method name='m'><body><FBD/></body></Method>"),
+              ElementsAre("2: the body of m is <FBD>; expected <ST>"));
+  EXPECT_THAT(
+      errors(pou("name='P' pouType='program'",
+                 "<actions><action name='a'><body><ST/></body></action></actions><body><ST/></body>")),
+      ElementsAre(
+          "2: action a: only a function block has actions; expected its statements in the body of P"));
+  EXPECT_THAT(
+      errors(
+          "<project><types><dataTypes><dataType name='s'><baseType><INT/></baseType><addData><data name='" +
+          vendor +
+          "datatypeinheritance'/></addData></dataType></dataTypes><pous><pou name='P' "
+          "pouType='program'><body><ST/></body></pou></pous></types></project>"),
+      ElementsAre("1: EXTENDS of s is not there; expected a STRUCT with all its elements"));
   EXPECT_THAT(errors(pou("name='P; END_PROGRAM' pouType='program'", "<body><ST/></body>")),
               ElementsAre("2: name: expected a name of letters, digits and _"));
   EXPECT_THAT(
