@@ -393,6 +393,20 @@ class Parser {
       }
       return found;
     }
+    if (is("REF_TO") || is("UNION") || ((is("POINTER") || is("REFERENCE")) && matches(ahead(1), "TO"))) {
+      error("expected a type" + hint_for(now().text));
+      return found;
+    }
+    if (is("STRING") || is("WSTRING")) {
+      found->kind = is("STRING") ? TypeNode::Kind::string : TypeNode::Kind::wide_string;
+      advance();
+      const bool is_round = is("(");
+      if (accept("[") || accept("(")) {
+        found->length = expression();
+        expect(is_round ? ")" : "]");
+      }
+      return found;
+    }
     if (!is_name()) {
       error("expected a type");
       return found;

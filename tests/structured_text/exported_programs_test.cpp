@@ -175,8 +175,6 @@ TEST(ExportedPrograms, WhatIsNotThere_IsNamedWithWhatToWrite) {
       type("REFERENCE TO INT"),
       "main.st:1:19: expected a type (there are no references; VAR_IN_OUT passes a variable itself), found "
       "'REFERENCE'");
-  EXPECT_EQ(type("ARRAY[1..3] OF INT := 1, 2, 3"),
-            "main.st:1:42: expected ; (values of an array stand in [ ]), found ','");
   EXPECT_EQ(
       first_error("TYPE u : UNION a : INT; END_UNION END_TYPE"),
       "main.st:1:10: expected a type (there is none; parts of a bit string are x.%B0, x.%W1), found 'UNION'");
