@@ -225,7 +225,7 @@ WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClo
                                         pace.speed ? pace.speed() : 1);
                    },
                .lost = [&events](std::uint64_t count) { return events.lost(count); },
-               .messages = [this](bool wanted) { return messages_.take_new(wanted); },
+               .messages = [this](bool wanted) { return messages_.new_messages(wanted); },
                .view = [this](std::string_view view) { return views_.event_of(view); },
                .command = [this](const WebUser& user, std::string_view command, std::uint32_t id,
                                  WebReply reply) { commands_.run(user, command, id, std::move(reply)); },
@@ -314,7 +314,7 @@ void WebPage::write(const WebUser& user, const std::string& what, int code, cons
                     .what = what,
                     .code = code,
                     .message = one_line(message)}));
-    if (const std::string trouble = audit_->take_trouble(); !trouble.empty() && report_) report_(trouble);
+    if (const std::string trouble = audit_->next_trouble(); !trouble.empty() && report_) report_(trouble);
   }
   if (role == WebRole::look) return;
   text::Json event = plant::event_line(now, "audit");

@@ -112,7 +112,7 @@ void WebAudit::add(std::string_view line) {
   file_->lose("the disk does not take them");
 }
 
-std::string WebAudit::take_trouble() {
+std::string WebAudit::next_trouble() {
   const std::scoped_lock lock(file_->mutex);
   return std::exchange(file_->trouble, {});
 }

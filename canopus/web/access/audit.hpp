@@ -41,7 +41,7 @@ class WebAudit {
   /// written; what a reader finds is {"lost":N} in their place.
   void add(std::string_view line);
   /// Why lines could not be written since the last call; empty: none were lost.
-  [[nodiscard]] std::string take_trouble();
+  [[nodiscard]] std::string next_trouble();
 
   /// Lines that are lost and not made up for by {"lost":N} yet.
   [[nodiscard]] std::uint64_t lost() const;

@@ -106,16 +106,16 @@ void Authenticator::log_in(std::string_view form, const Client& client, const We
                                       password, client, place, now, decoy, answer] {
     auto found = look_up(options, user.name, password, decoy);
     boost::asio::post(context, [gate, found = std::move(found), user, client, place, now, answer] {
-      if (const auto self = gate.lock()) self->looked_up(found, user, client, place, now, answer);
+      if (const auto self = gate.lock()) self->finish_log_in(found, user, client, place, now, answer);
     });
   });
   if (!is_taken) answer(log_in_page(place, 503, "Too many log in at the same time. Try again."));
 }
 
 /// The one answer for a wrong name and for a wrong password. What was typed as an unknown name may be a password: it is not noted.
-void Authenticator::looked_up(const Found& found, WebUser user, const Client& client, const WebPlace& place,
-                              WebMoment now, const Answer& answer) {
-  take(found);
+void Authenticator::finish_log_in(const Found& found, WebUser user, const Client& client,
+                                  const WebPlace& place, WebMoment now, const Answer& answer) {
+  update_users(found);
   if (!found.fits) {
     note({.name = found.account ? user.name : "?", .address = client.name}, "log in", wrong_password);
     return answer(log_in_page(place, 401, "The name or the password is wrong."));
@@ -131,7 +131,7 @@ void Authenticator::looked_up(const Found& found, WebUser user, const Client& cl
 }
 
 /// A file that has become wrong changes nothing.
-void Authenticator::take(const Found& found) {
+void Authenticator::update_users(const Found& found) {
   const std::string trouble = found.accounts ? std::string() : found.accounts.error();
   if (trouble != trouble_ && !trouble.empty() && use_.report)
     use_.report(trouble + "; the users stay as they are");
@@ -172,7 +172,7 @@ void Authenticator::refresh(WebMoment now) {
           const auto self = gate.lock();
           if (!self) return;
           self->is_looking_ = false;
-          self->take(found);
+          self->update_users(found);
         });
       });
 }

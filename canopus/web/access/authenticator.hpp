@@ -76,9 +76,9 @@ class Authenticator : public std::enable_shared_from_this<Authenticator> {
   };
   [[nodiscard]] static Found look_up(const WebGateOptions& options, const std::string& name,
                                      const std::string& password, std::size_t decoy);
-  void looked_up(const Found& found, WebUser user, const Client& client, const WebPlace& place, WebMoment now,
+  void finish_log_in(const Found& found, WebUser user, const Client& client, const WebPlace& place, WebMoment now,
                  const Answer& answer);
-  void take(const Found& found);
+  void update_users(const Found& found);
   void note(const WebUser& user, const std::string& what, int code) const;
 
   boost::asio::io_context& context_;

@@ -56,7 +56,7 @@ link::Hold WebServer::Connection::hold() const noexcept {
 void WebServer::Connection::send() {
   if (is_closed() || state_ != State::watches || is_sending_ || outbox_.empty()) return;
   is_sending_ = true;
-  output_ = outbox_.take();
+  output_ = outbox_.pop_all();
   set_timer(parts_.options.send_timeout, "does not take what it is sent");
   stream_.async_write(asio::buffer(output_), [self = shared_from_this()](error_code error, std::size_t) {
     if (self->is_closed()) return;
@@ -89,7 +89,7 @@ void WebServer::Connection::received(const error_code& error, std::size_t count)
     set_timer(std::max(rest, std::chrono::milliseconds(0)), "left a request incomplete");
   }
   input_.append(buffer_.data(), count);
-  if (head_size_ == 0 && !take_head()) return;
+  if (head_size_ == 0 && !receive_head()) return;
   const std::size_t length = head_size_ + body_length(*request_);
   if (input_.size() > length) return answer({.status = 400, .body = "a request has no body here\n"});
   WebAnswer result = answer_to(*request_, parts_.place);
@@ -99,7 +99,7 @@ void WebServer::Connection::received(const error_code& error, std::size_t count)
 }
 
 /// False: it is not there yet, or refused.
-bool WebServer::Connection::take_head() {
+bool WebServer::Connection::receive_head() {
   head_size_ = end_of_head(input_);
   if (head_size_ == 0 && input_.size() <= longest_web_head) {
     receive();

@@ -67,7 +67,7 @@ class WebServer::Connection : public link::TcpClient<Connection> {
   boost::asio::ip::tcp::socket& socket() noexcept { return stream_.next_layer(); }
   void receive();
   void received(const boost::system::error_code& error, std::size_t count);
-  [[nodiscard]] bool take_head();
+  [[nodiscard]] bool receive_head();
   void handle_request(WebAnswer result);
   void log_in(std::string_view form);
   void answer(const WebAnswer& answer);

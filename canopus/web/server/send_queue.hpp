@@ -77,7 +77,7 @@ class SendQueue {
            views_.empty();
   }
   /// A JSON array of all that waits.
-  [[nodiscard]] std::string take() {
+  [[nodiscard]] std::string pop_all() {
     std::string message = "[";
     const auto add = [&](const std::string& event) {
       if (message.size() > 1) message += ",\n";

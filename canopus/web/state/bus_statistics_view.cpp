@@ -11,7 +11,7 @@ constexpr std::uint32_t node_bits = 0x7F;
 constexpr std::uint8_t state_bits = 0x7F;  // the other one is the toggle bit of node guarding
 
 /// The state in an error control message; none: one that CiA 301 does not know.
-std::optional<canopen::NmtState> said_state(std::uint8_t byte) noexcept {
+std::optional<canopen::NmtState> state_of_byte(std::uint8_t byte) noexcept {
   switch (const auto state = static_cast<canopen::NmtState>(byte & state_bits)) {
     case canopen::NmtState::initialising: return canopen::NmtState::pre_operational;  // the boot-up message
     case canopen::NmtState::stopped:
@@ -83,7 +83,7 @@ void BusStatisticsView::frame_completed(const can::Frame& frame, can::Time end) 
       break;
     case cob_id::error_control:
       if (frame.dlc != 1) break;
-      if (const auto state = said_state(frame.data[0])) node.state = state;
+      if (const auto state = state_of_byte(frame.data[0])) node.state = state;
       if (frame.data[0] == 0) break;
       node.period = node.heartbeat ? end - *node.heartbeat : can::Duration{};
       node.heartbeat = end;

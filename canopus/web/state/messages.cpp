@@ -42,7 +42,7 @@ void WebMessages::Tap::frame_completed(const can::Frame& frame, can::Time /*star
   ++messages_.left_out_;
 }
 
-std::string WebMessages::take_new(bool wanted) {
+std::string WebMessages::new_messages(bool wanted) {
   if (!wanted || !std::exchange(is_wanted_, true)) {
     is_wanted_ = wanted;
     frames_.clear();

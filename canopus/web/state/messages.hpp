@@ -29,7 +29,7 @@ class WebMessages {
   [[nodiscard]] const trace::Names& names() const noexcept { return decoder_.names(); }
   /// The `messages` event (docs/events.md) of what came since the last look, as JSON; empty when nothing came, and at the first
   /// look. `wanted`: a client wants them; false ends it.
-  [[nodiscard]] std::string take_new(bool wanted);
+  [[nodiscard]] std::string new_messages(bool wanted);
 
  private:
   class Tap final : public can::BusObserver {

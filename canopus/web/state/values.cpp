@@ -18,7 +18,7 @@ namespace {
 using canopen::DataType;
 
 /// Takes a number off the front of a key, and the character behind it; nothing: there is none.
-std::optional<std::uint64_t> take_number(std::string_view& key, int base, char behind) {
+std::optional<std::uint64_t> parse_prefix(std::string_view& key, int base, char behind) {
   std::uint64_t number = 0;
   const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), number, base);
   if (error != std::errc()) return std::nullopt;
@@ -38,8 +38,8 @@ text::Json number_of(DataType type, std::uint64_t raw) {
 }
 
 text::Json word(plant::Plant& plant, std::string_view key) {
-  const auto module = take_number(key, 10, ' ');
-  const auto address = module ? take_number(key, 10, '\0') : std::nullopt;
+  const auto module = parse_prefix(key, 10, ' ');
+  const auto address = module ? parse_prefix(key, 10, '\0') : std::nullopt;
   if (!address || *module >= plant.modules().size() || *address > 0xFFFF) return nullptr;
   module::BufferMemoryAccess* const memory = plant.module(static_cast<std::size_t>(*module)).buffer_memory();
   if (memory == nullptr) return nullptr;
@@ -47,9 +47,9 @@ text::Json word(plant::Plant& plant, std::string_view key) {
 }
 
 text::Json object(plant::Plant& plant, std::string_view key) {
-  const auto place = take_number(key, 10, ' ');
-  const auto index = place ? take_number(key, 16, ':') : std::nullopt;
-  const auto sub = index ? take_number(key, 16, '\0') : std::nullopt;
+  const auto place = parse_prefix(key, 10, ' ');
+  const auto index = place ? parse_prefix(key, 16, ':') : std::nullopt;
+  const auto sub = index ? parse_prefix(key, 16, '\0') : std::nullopt;
   if (!sub || *index > 0xFFFF || *sub > 0xFF) return nullptr;
   const canopen::Node* const node = node_at(plant, static_cast<std::size_t>(*place));
   if (node == nullptr) return nullptr;

@@ -35,11 +35,11 @@ void TraceRows::work(const TraceStore& store, std::size_t count) {
   for (; count > 0 && next_ < store.end(); --count, ++next_) {
     const trace::TraceRecord& record = store.at(next_);
     decoder_.receive(record, buses_[record.channel],
-                     [this](const Message& message) { take(message, next_); });
+                     [this](const Message& message) { add(message, next_); });
   }
 }
 
-void TraceRows::take(const Message& message, std::uint64_t record) {
+void TraceRows::add(const Message& message, std::uint64_t record) {
   const std::string& bus = buses_[message.channel];
   const Head head{.bus = message.channel,
                   .service = message.service,

@@ -77,7 +77,7 @@ class TraceRows {
   static constexpr std::size_t block = 4096;
 
   [[nodiscard]] Block& block_for_next();
-  void take(const trace::Message& message, std::uint64_t record);
+  void add(const trace::Message& message, std::uint64_t record);
   void forget(std::uint64_t first_record);
 
   std::vector<std::string> buses_;

@@ -59,7 +59,7 @@ TEST_F(WebAuditTest, LinesAreAppended_ForTheOwnerAlone) {
     ASSERT_TRUE(audit) << audit.error();
     (*audit)->add("one");
     (*audit)->add("two");
-    EXPECT_EQ((*audit)->take_trouble(), "");
+    EXPECT_EQ((*audit)->next_trouble(), "");
   }
   EXPECT_EQ(content(), "one\ntwo\n");
   { (*WebAudit::open(file_))->add("three"); }
@@ -96,8 +96,8 @@ TEST_F(WebAuditTest, WhatCannotBeWritten_IsCounted_AndSaid) {
     (*audit)->add("two two");
     (*audit)->add("three three");
     while ((*audit)->lost() != 2) std::this_thread::yield();
-    EXPECT_EQ((*audit)->take_trouble(), file_ + ": File too large: lines of the audit log are lost");
-    EXPECT_EQ((*audit)->take_trouble(), "");
+    EXPECT_EQ((*audit)->next_trouble(), file_ + ": File too large: lines of the audit log are lost");
+    EXPECT_EQ((*audit)->next_trouble(), "");
     ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
     (*audit)->add("four");
   }

@@ -302,10 +302,10 @@ bit_rate = 250_000
     }
   };
   send(3);
-  EXPECT_EQ(messages.take_new(true), "") << "from now on";
-  EXPECT_EQ(messages.take_new(true), "");
+  EXPECT_EQ(messages.new_messages(true), "") << "from now on";
+  EXPECT_EQ(messages.new_messages(true), "");
   send(2);
-  auto event = nlohmann::json::parse(messages.take_new(true));
+  auto event = nlohmann::json::parse(messages.new_messages(true));
   EXPECT_EQ(event["event"], "messages");
   EXPECT_EQ(event["left_out"], 0);
   ASSERT_THAT(event["messages"], SizeIs(2));
@@ -313,12 +313,12 @@ bit_rate = 250_000
   EXPECT_EQ(event["messages"][0]["service"], "error-control");
   EXPECT_EQ(event["messages"][0]["node"], 3);
   send(WebMessages::most_frames + 7);
-  event = nlohmann::json::parse(messages.take_new(true));
+  event = nlohmann::json::parse(messages.new_messages(true));
   EXPECT_EQ(event["left_out"], 7);
   EXPECT_THAT(event["messages"], SizeIs(WebMessages::most_frames));
-  EXPECT_EQ(messages.take_new(false), "");
+  EXPECT_EQ(messages.new_messages(false), "");
   send(2);
-  EXPECT_EQ(messages.take_new(true), "") << "nothing of the time between";
+  EXPECT_EQ(messages.new_messages(true), "") << "nothing of the time between";
 }
 
 }  // namespace

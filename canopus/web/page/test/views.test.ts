@@ -139,7 +139,7 @@ test("a frozen trace stays while lines come, and asks for those in sight alone",
   await settled();
   rows.freeze(true);
   lines.end = 1500;
-  await rows.look();
+  await rows.fetch();
   assert.equal(rows.row(0)!.n, 999);
   asked.length = 0;
   rows.see(600, 640);
@@ -158,7 +158,7 @@ test("a line stays the same object while it does not change, and scrolling asks 
   rows.restart("", true);
   await settled();
   const line = rows.row(3);
-  await rows.look();
+  await rows.fetch();
   assert.ok(rows.row(3) === line);
   rows.freeze(true);
   asked.length = 0;

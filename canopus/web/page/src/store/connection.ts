@@ -6,7 +6,7 @@ import type { Store } from "./store.js";
 const key_name = "canopus key";
 
 /** The key of the printed address, kept for this tab; the address goes on without it. */
-function take_key(): string {
+function key_of_address(): string {
   const found = /^#key=([0-9a-f]+)$/.exec(location.hash);
   if (found?.[1]) {
     sessionStorage.setItem(key_name, found[1]);
@@ -18,7 +18,7 @@ function take_key(): string {
 export class Connection {
   readonly commands: Commands;
   private socket: WebSocket | null = null;
-  private key = take_key();
+  private key = key_of_address();
   private wishes = "[]";
   private wish_timer: ReturnType<typeof setTimeout> | null = null;
   private wanted: readonly ViewWish[] = [];

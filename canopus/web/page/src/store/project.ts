@@ -124,7 +124,7 @@ export class Project {
     return name ? `${id} ${name}` : `Node ${id}`;
   }
 
-  private async look(command: Command): Promise<Row[]> {
+  private async read_rows(command: Command): Promise<Row[]> {
     const done = await this.ask({ ...command, bus: this.bus.bus });
     if (![0, 4].includes(done.code)) this.problem = done.message;
     return done.rows;
@@ -137,7 +137,7 @@ export class Project {
 
   private async read(): Promise<void> {
     this.problem = "";
-    const [shown, pdos, findings] = await Promise.all([this.look({ command: "project show" }), this.look({ command: "project pdo list", all: true }), this.look({ command: "project check" })]);
+    const [shown, pdos, findings] = await Promise.all([this.read_rows({ command: "project show" }), this.read_rows({ command: "project pdo list", all: true }), this.read_rows({ command: "project check" })]);
     this.network = (shown.find((row) => row["network"] !== undefined) as unknown as ProjectNetwork | undefined) ?? null;
     this.nodes = shown.filter((row) => row["node"] !== undefined) as unknown as ProjectNode[];
     this.pdos = pdos as unknown as Pdo[];
@@ -150,7 +150,7 @@ export class Project {
   async load_objects(id: number): Promise<void> {
     if (this.objects.has(id) || this.loading.has(id)) return;
     this.loading.add(id);
-    const rows = await this.look({ command: "project show", node: String(id), all: true });
+    const rows = await this.read_rows({ command: "project show", node: String(id), all: true });
     this.loading.delete(id);
     this.objects.set(id, rows.filter((row) => row["object"] !== undefined) as unknown as ProjectObject[]);
     this.changed();

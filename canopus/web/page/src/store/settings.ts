@@ -85,7 +85,7 @@ export class Settings {
     return this.rows.get(word)?.find((one) => one.number === number);
   }
 
-  private async look(command: Command): Promise<Row[]> {
+  private async read_rows(command: Command): Promise<Row[]> {
     const done = await this.ask({ ...command, settings: this.one.file });
     if (![0, 4].includes(done.code)) this.problem = done.message;
     return done.rows;
@@ -98,8 +98,8 @@ export class Settings {
 
   private async read(): Promise<void> {
     this.problem = "";
-    if (this.windows.length === 0) this.described(await this.look({ command: "configure describe" }));
-    const [shown, findings] = await Promise.all([this.look({ command: "configure show" }), this.look({ command: "configure check" })]);
+    if (this.windows.length === 0) this.described(await this.read_rows({ command: "configure describe" }));
+    const [shown, findings] = await Promise.all([this.read_rows({ command: "configure show" }), this.read_rows({ command: "configure check" })]);
     this.shown(shown);
     this.findings = findings.filter((one) => one["severity"] !== "note") as never;
     this.changed();

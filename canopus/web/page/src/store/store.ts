@@ -51,10 +51,10 @@ export class Store {
   armed_until = 0;
   private views = new Map<ViewKind, View>();
   private rates = new Map<string, Rates>();
-  private heard_at = 0;
+  private received_at = 0;
   private listeners = new Set<(event: ServerEvent | null) => void>();
 
-  /** `listener`: called with each event after the store has taken it, and with null when something else has changed. */
+  /** `listener`: called with each event after the store has applied it, and with null when something else has changed. */
   listen(listener: (event: ServerEvent | null) => void): () => void {
     this.listeners.add(listener);
     return () => this.listeners.delete(listener);
@@ -69,15 +69,15 @@ export class Store {
   }
 
   receive(list: readonly ServerEvent[], now: number): void {
-    this.heard_at = now;
+    this.received_at = now;
     if (this.connection === "silent") this.connection = "open";
     for (const event of list) {
-      this.take(event, now);
+      this.apply(event, now);
       for (const listener of this.listeners) listener(event);
     }
   }
 
-  private take(event: ServerEvent, now: number): void {
+  private apply(event: ServerEvent, now: number): void {
     if (event.event === "state") {
       this.state = event as RunState;
       this.state_at = now;
@@ -109,17 +109,17 @@ export class Store {
   /** The server sends its latest events again. */
   opened(now: number): void {
     this.connection = "open";
-    this.heard_at = now;
+    this.received_at = now;
     this.events = [];
     this.troubles = [];
     this.rates = new Map();
     this.views.clear();
-    this.tell();
+    this.notify();
   }
 
   closed(): void {
     this.connection = "lost";
-    this.tell();
+    this.notify();
   }
 
   set_live_nodes(nodes: readonly ProjectLabel[]): void {
@@ -134,14 +134,14 @@ export class Store {
 
   set_armed(seconds: number, now: number): void {
     this.armed_until = seconds > 0 ? now + 1000 * seconds : 0;
-    this.tell();
+    this.notify();
   }
 
   /** Whether the run says something still; a page that is hidden gets its messages late. */
   look_at_clock(now: number): void {
-    if (this.connection === "open" && this.heard_at > 0 && now - this.heard_at > silent_after) {
+    if (this.connection === "open" && this.received_at > 0 && now - this.received_at > silent_after) {
       this.connection = "silent";
-      this.tell();
+      this.notify();
     }
     if (this.armed_until > 0 && now >= this.armed_until) this.set_armed(0, now);
   }
@@ -173,7 +173,7 @@ export class Store {
     return this.state.t + (this.connection === "open" ? (this.state.speed * (now - this.state_at)) / 1000 : 0);
   }
 
-  private tell(): void {
+  private notify(): void {
     for (const listener of this.listeners) listener(null);
   }
 }

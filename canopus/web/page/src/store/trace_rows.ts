@@ -59,7 +59,7 @@ export class TraceRows {
     this.sight = [first, last];
     const now = this.number_of(first);
     if (now !== before) this.moves = now < before ? "to older" : "to newer";
-    if (this.missing() !== null) void this.look();
+    if (this.missing() !== null) void this.fetch();
   }
 
   /** With another filter or of another file, lines have other numbers. */
@@ -69,7 +69,7 @@ export class TraceRows {
     this.folded = folded;
     this.file = file;
     this.forget();
-    void this.look();
+    void this.fetch();
   }
 
   forget(): void {
@@ -87,7 +87,7 @@ export class TraceRows {
 
   freeze(on: boolean): void {
     this.is_frozen = on;
-    if (!on) void this.look();
+    if (!on) void this.fetch();
     ++this.version;
   }
 
@@ -113,7 +113,7 @@ export class TraceRows {
   }
 
   /** Asks for what is new, or for what is in sight and not here. */
-  async look(): Promise<void> {
+  async fetch(): Promise<void> {
     if (this.is_asking) return;
     const from = this.missing();
     if (from === null && this.is_frozen) return;
@@ -123,14 +123,14 @@ export class TraceRows {
     if (from !== null && (this.is_frozen || from < this.end - most_asked)) wish["from"] = from;
     const done = await this.ask(wish);
     this.is_asking = false;
-    if (query !== this.query) return void this.look();
-    this.take(done);
+    if (query !== this.query) return void this.fetch();
+    this.apply(done);
     const next = this.is_frozen ? this.missing() : null;
-    if (next !== null && next !== from) void this.look();
-    else if (next !== null || this.progress !== null) setTimeout(() => void this.look(), 60);
+    if (next !== null && next !== from) void this.fetch();
+    else if (next !== null || this.progress !== null) setTimeout(() => void this.fetch(), 60);
   }
 
-  private take(done: Done): void {
+  private apply(done: Done): void {
     ++this.version;
     this.problem = done.code === 0 ? "" : done.message || "no answer";
     const answer = done.rows[0] as unknown as TraceAnswer | undefined;

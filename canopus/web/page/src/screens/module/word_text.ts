@@ -5,8 +5,8 @@ export const word_text = (value: number, in_hex: boolean): string => (in_hex ? `
 
 /** "1234", "-1", "12ABH", "0x12AB"; null: it is no word of 16 bits. */
 export function word_of_text(text: string): number | null {
-  const said = text.trim().replace(/^−/, "-");
-  const value = /^(0x[0-9a-f]+|[0-9][0-9a-f]*h|[a-f][0-9a-f]*h)$/i.test(said) ? parseInt(said.replace(/^0x|h$/gi, ""), 16) : /^-?\d+$/.test(said) ? Number(said) : NaN;
+  const typed = text.trim().replace(/^−/, "-");
+  const value = /^(0x[0-9a-f]+|[0-9][0-9a-f]*h|[a-f][0-9a-f]*h)$/i.test(typed) ? parseInt(typed.replace(/^0x|h$/gi, ""), 16) : /^-?\d+$/.test(typed) ? Number(typed) : NaN;
   return Number.isInteger(value) && value >= -32768 && value <= 0xffff ? value & 0xffff : null;
 }
 

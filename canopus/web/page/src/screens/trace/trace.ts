@@ -54,12 +54,12 @@ export class TraceScreen implements Screen {
     this.wanted = route.query["at"] && Number.isFinite(at) ? at : null;
     if (this.wanted !== null) this.rows.forget();
     this.rows.restart(complete_terms(this.filter), this.rows.folded);
-    void this.rows.look();
+    void this.rows.fetch();
     if (!this.app.faults.is_known) void this.app.load_faults();
     this.timer ??= setInterval(() => {
       if (document.hidden) return;
       if (this.statistics) void this.count();
-      else if (!this.rows.is_frozen) void this.rows.look();
+      else if (!this.rows.is_frozen) void this.rows.fetch();
     }, every);
   }
 
