@@ -17,7 +17,10 @@ using program::MemberKind;
 namespace {
 
 constexpr std::size_t most_errors = 100;
-constexpr std::size_t most_members = 5000;  // of a structure, or values of an enumeration
+constexpr unsigned deepest_type = 200;  // functions over a type call themselves for what it consists of
+constexpr std::size_t longest_array_name = 200;  // each dimension has a name with those behind it
+constexpr unsigned most_nested_globals = 100;    // each is declared while the one before it is
+constexpr std::size_t most_members = 5000;       // of a structure, or values of an enumeration
 constexpr std::uint32_t usual_string_length = 80;
 constexpr std::uint32_t longest_string = 1024;
 
@@ -38,7 +41,16 @@ Declarations::Declarations(program::Program& to, const program::DeviceNames* dev
   add_standard_blocks();
 }
 
-DataType& Declarations::make(DataType type) { return program_.types.emplace_back(std::move(type)); }
+DataType& Declarations::make(DataType type) {
+  DataType& made = program_.types.emplace_back(std::move(type));
+  if (made.form == DataType::Form::array) depths_[&made] = depth_of(*made.element) + 1;
+  if (made.form == DataType::Form::structure) {
+    unsigned deepest = 0;
+    for (const program::Member& member : made.members) deepest = std::max(deepest, depth_of(*member.type));
+    depths_[&made] = deepest + 1;
+  }
+  return made;
+}
 
 void Declarations::add_standard_blocks() {
   for (const program::StandardBlock& block : program::standard_blocks()) {
@@ -196,9 +208,25 @@ const DataType* Declarations::type_named(std::string_view name, SourcePosition a
 
 const DataType* Declarations::type_of(const TypeNode& node, UnitInfo* scope) {
   if (const auto known = type_of_node_.find(&node); known != type_of_node_.end()) return known->second;
+  if (nested_types_ >= deepest_type) {
+    is_too_deep(node.at);
+    return nullptr;
+  }
+  ++nested_types_;
   const DataType* const type = make_type(node, scope);
+  --nested_types_;
   type_of_node_[&node] = type;
   return type;
+}
+
+unsigned Declarations::depth_of(const DataType& type) const {
+  const auto found = depths_.find(&type);
+  return found == depths_.end() ? 0 : found->second;
+}
+
+void Declarations::is_too_deep(SourcePosition at) {
+  error(at, "expected at most " + std::to_string(deepest_type) +
+                " arrays, structures and names of types within one another");
 }
 
 const DataType* Declarations::make_type(const TypeNode& node, UnitInfo* scope) {
@@ -234,6 +262,10 @@ const DataType* Declarations::array_of(const TypeNode& node, UnitInfo* scope) {
   const DataType* element = type_of(*node.element, scope);
   if (element == nullptr) return nullptr;
   for (auto range = node.ranges.rbegin(); range != node.ranges.rend(); ++range) {
+    if (depth_of(*element) >= deepest_type) {
+      is_too_deep(node.at);
+      return nullptr;
+    }
     const auto low = integer_constant(*range->low, scope);
     const auto high = integer_constant(*range->high, scope);
     if (!low || !high) return nullptr;
@@ -255,6 +287,8 @@ const DataType* Declarations::array_of(const TypeNode& node, UnitInfo* scope) {
                    .high = *high,
                    .element = element};
     array.name = "ARRAY[" + std::to_string(*low) + ".." + std::to_string(*high) + "] OF " + element->name;
+    if (array.name.size() > longest_array_name)
+      array.name.replace(longest_array_name, std::string::npos, "...");
     element = &make(std::move(array));
   }
   return element;
@@ -277,6 +311,11 @@ const DataType* Declarations::structure_of(const TypeNode& node, UnitInfo* scope
     const DataType* const type = type_of(*field.type, scope);
     if (type != nullptr && type->form == DataType::Form::block) {
       error(field.at, "expected a data type: a structure has no function blocks");
+      is_good = false;
+      continue;
+    }
+    if (type != nullptr && depth_of(*type) >= deepest_type) {
+      is_too_deep(field.at);
       is_good = false;
       continue;
     }
@@ -316,6 +355,7 @@ const DataType* Declarations::enumeration_of(const TypeNode& node, UnitInfo* sco
     type.base = *base;
   }
   std::int64_t next = 0;
+  std::set<std::string> names;  // in capitals
   for (const TypeNode::Value& value : node.values) {
     if (value.number != nullptr) {
       const auto number = integer_constant(*value.number, scope);
@@ -327,9 +367,7 @@ const DataType* Declarations::enumeration_of(const TypeNode& node, UnitInfo* sco
                           ", found " + std::to_string(next));
       return nullptr;
     }
-    if (std::ranges::any_of(type.values, [&](const auto& known) {
-          return ascii::equal_ignoring_case(known.first, value.name);
-        }))
+    if (!names.insert(ascii::upper(value.name)).second)
       error(value.at, "expected another name: there is a value " + std::string(value.written));
     type.values.emplace_back(value.written, next);
     if (next < std::numeric_limits<std::int64_t>::max()) ++next;
@@ -429,9 +467,16 @@ GlobalInfo* Declarations::global_named(std::string_view name, SourcePosition at)
     return nullptr;
   }
   if (global.progress == Progress::untouched) {
+    if (nested_globals_ >= most_nested_globals) {
+      error(at, "expected at most " + std::to_string(most_nested_globals) +
+                    " global variables that need each other in a row");
+      return nullptr;
+    }
     global.progress = Progress::begun;
     const std::size_t before = mistakes_;
+    ++nested_globals_;
     declare(global);
+    --nested_globals_;
     global.progress = mistakes_ == before ? Progress::done : Progress::failed;
   }
   return global.progress == Progress::done ? &global : nullptr;

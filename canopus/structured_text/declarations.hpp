@@ -123,6 +123,9 @@ class Declarations {
   };
 
   DataType& make(DataType type);
+  /// Arrays and structures within one another; of a function block, of a variable without any: 0.
+  [[nodiscard]] unsigned depth_of(const DataType& type) const;
+  void is_too_deep(SourcePosition at);
   [[nodiscard]] const DataType* make_type(const TypeNode& node, UnitInfo* scope);
   [[nodiscard]] const DataType* array_of(const TypeNode& node, UnitInfo* scope);
   [[nodiscard]] const DataType* structure_of(const TypeNode& node, UnitInfo* scope);
@@ -152,8 +155,11 @@ class Declarations {
   std::vector<std::string_view> global_order_;
   std::map<std::string, std::vector<EnumerationValue>, std::less<>> enumeration_values_;
   std::map<program::Native, std::uint32_t> natives_;
-  std::size_t held_ = 0;  // slots of initial values
-  unsigned depth_ = 0;    // of units that need each other
+  std::size_t held_ = 0;                        // slots of initial values
+  std::map<const DataType*, unsigned> depths_;  // of arrays and structures
+  unsigned depth_ = 0;                          // of units that need each other
+  unsigned nested_types_ = 0;                   // types that are being made
+  unsigned nested_globals_ = 0;                 // global variables that are being declared
 };
 
 }  // namespace canopus::structured_text

@@ -269,6 +269,54 @@ TEST(StructuredTextErrors, MoreThanTheMemoryPermits_IsRefused) {
   EXPECT_LE(std::count(many.begin(), many.end(), '\n'), 100);
 }
 
+/// TYPE declarations, each of the next one; the names are in this order or the other way round.
+std::string types_of_each_other(int count, bool is_rising, const std::string& begin, const std::string& end) {
+  const auto name = [&](int i) { return "T" + std::to_string(100'000 + (is_rising ? i : count - i)); };
+  std::string text = "TYPE\n";
+  for (int i = 0; i < count; ++i) text += name(i) + " : " + begin + name(i + 1) + end + ";\n";
+  return text + name(count) + " : INT; END_TYPE\nPROGRAM p VAR v : " + name(0) + "; END_VAR END_PROGRAM";
+}
+
+// A type is made of others by functions that call themselves: their number within one another is bounded.
+TEST(StructuredTextErrors, TypesWithinOneAnother_AreRefusedFrom200On) {
+  const std::string message = "expected at most 200 arrays, structures and names of types within one another";
+  for (const bool is_rising : {true, false}) {
+    for (const auto& [begin, end] : {std::pair("STRUCT a : ", "; END_STRUCT"), {"ARRAY[0..0] OF ", ""}}) {
+      EXPECT_NE(errors_of(types_of_each_other(30'000, is_rising, begin, end)).find(message),
+                std::string::npos);
+      EXPECT_EQ(errors_of(types_of_each_other(50, is_rising, begin, end)), "");
+    }
+    const std::string names = errors_of(types_of_each_other(30'000, is_rising, "", ""));
+    EXPECT_EQ(names.empty(), !is_rising) << names;  // a name of a type that is known is no level
+    EXPECT_EQ(errors_of(types_of_each_other(50, is_rising, "", "")), "");
+  }
+}
+
+TEST(StructuredTextErrors, ConstantsThatNeedEachOther_AreRefusedFrom100On) {
+  const auto constants = [](int count, const std::string& type, const std::string& end) {
+    std::string text = "VAR_GLOBAL CONSTANT\n";
+    for (int i = 0; i < count; ++i)
+      text += "c" + std::to_string(i) + type + "c" + std::to_string(i + 1) + end + ";\n";
+    return text + "c" + std::to_string(count) + " : INT := 1; END_VAR PROGRAM p END_PROGRAM";
+  };
+  EXPECT_EQ(errors_of(constants(99, " : INT := ", "")), "");
+  const std::string message = "expected at most 100 global variables that need each other in a row";
+  EXPECT_NE(errors_of(constants(20'000, " : INT := ", "")).find(message), std::string::npos);
+  EXPECT_NE(errors_of(constants(20'000, " : STRING[", "]")), "");
+}
+
+TEST(StructuredTextErrors, DimensionsOfAnArray_AreRefusedFrom200On) {
+  const auto array_of = [](int dimensions) {
+    std::string text = "PROGRAM p VAR a : ARRAY[";
+    for (int i = 1; i < dimensions; ++i) text += "0..0,";
+    return text + "0..0] OF INT; END_VAR END_PROGRAM";
+  };
+  EXPECT_EQ(errors_of(array_of(200)), "");
+  EXPECT_EQ(errors_of(array_of(201)),
+            "main.st:1:19: expected at most 200 arrays, structures and names of types within one another\n");
+  EXPECT_NE(errors_of(array_of(100'000)), "");
+}
+
 // Whatever the text: the compiler returns, and what it accepts runs within its watchdog.
 RC_GTEST_PROP(StructuredTextErrors, AnyOrderOfTokens_IsCompiledOrRefused, ()) {
   static const std::vector<std::string> tokens = {"PROGRAM",
