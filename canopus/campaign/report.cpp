@@ -154,9 +154,10 @@ std::string story_html(const FailureKind& kind, const text::Json& story) {
   const auto without = texts_in(story, "without_devices");
   if (!without.empty())
     html += fmt::format("<tr><td>without<td>{}\n", escaped(fmt::format("{}", fmt::join(without, ", "))));
-  html +=
-      fmt::format("<tr><td>found in<td>{}\n</table>\n",
-                  ascii::counted(static_cast<std::uint64_t>(field_number(story, "shrinking_runs")), "run"));
+  // A number that 64 bits have no room for must not be converted.
+  const double runs = std::clamp(field_number(story, "shrinking_runs"), 0.0, 1e9);
+  html += fmt::format("<tr><td>found in<td>{}\n</table>\n",
+                      ascii::counted(static_cast<std::uint64_t>(runs), "run"));
   html += bus_picture(story);
   html += lines_html("Traceback", texts_in(story, "traceback"));
   html += lines_html("Slaves that are not booted", texts_in(story, "boots"));

@@ -98,11 +98,12 @@ class Summing {
         continue;
       }
       numbers_.emplace(kind, summary_.kinds.size());
-      const auto seed = run.find("seed");
+      const auto seed = run.find("seed");  // of two members the last, which need be no number
+      const bool has_seed = seed != run.end() && seed->is_number_unsigned();
       summary_.kinds.push_back({.fingerprint = std::move(fingerprint),
                                 .runs = 1,
                                 .variant = run.value("variant", ""),
-                                .seed = seed == run.end() ? 0 : seed->get<std::uint64_t>(),
+                                .seed = has_seed ? seed->get<std::uint64_t>() : 0,
                                 .first = std::move(failure),
                                 .rules = rules});
     }

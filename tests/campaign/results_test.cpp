@@ -338,6 +338,30 @@ TEST_F(CampaignLines, DamagedOnes_AreMissingRuns) {
   EXPECT_THAT(summary->missing, ElementsAre("2 runs"));
 }
 
+TEST_F(CampaignLines, WithASecondSeedThatIsNoNumber_AreSummed) {
+  const std::string failure = R"({"invariant":"up","node":"","reason":"off","t":1,"detail":"d"})";
+  std::string line = run_line(3, failure);
+  line.insert(line.size() - 2, R"(,"seed":"three")");
+  write_lines("a", "results.jsonl", line);
+  const auto summary = summarize({{in("a"), head_}});
+  ASSERT_TRUE(summary) << summary.error();
+  ASSERT_THAT(summary->kinds, testing::SizeIs(1));
+  EXPECT_EQ(summary->kinds.front().seed, 0U);
+}
+
+TEST_F(CampaignLines, WithANumberOfShrinkingRunsThatIsNone_AreReported) {
+  const std::string failure = R"({"invariant":"up","node":"","reason":"off","t":1,"detail":"d"})";
+  write_lines("a", "results.jsonl", run_line(3, failure));
+  const auto summary = summarize({{in("a"), head_}});
+  ASSERT_TRUE(summary) << summary.error();
+  text::Json story = text::Json::object();
+  story["shrinking_runs"] = -1;
+  EXPECT_THAT(html_report(*summary, std::vector<text::Json>(1, story)), HasSubstr("<td>found in<td>0 runs"));
+  story["shrinking_runs"] = 1e300;
+  EXPECT_THAT(html_report(*summary, std::vector<text::Json>(1, story)),
+              HasSubstr("<td>found in<td>1000000000 runs"));
+}
+
 TEST_F(CampaignLines, WithMoreKindsOfFailuresThanAreKept_AreCounted) {
   std::string lines;
   for (std::uint64_t seed = 1; seed <= head_.seeds; ++seed) {
