@@ -1,5 +1,6 @@
 #include "canopus/instruction_list/clock_functions.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <span>
@@ -33,14 +34,11 @@ bool store_seconds(NativeCall& call, std::size_t slot, std::int64_t seconds) {
   return write(call, place(call, slot), time);
 }
 
-}  // namespace
-
-bool read_clock(NativeCall& call) {
-  const auto form = static_cast<ClockForm>(call.slots[3]);
-  ClockWords words{};
+/// What the registers at the slot show.
+bool clock_of(NativeCall& call, std::size_t slot, ClockForm form, ClockWords& words) {
   const std::size_t registers = form == ClockForm::bcd ? 4 : words.size();
   ClockWords found{};
-  if (!read(call, place(call, 1), std::span(found).first(registers))) return false;
+  if (!read(call, place(call, slot), std::span(found).first(registers))) return false;
   const auto high = [&](std::size_t i) { return from_bcd(found[i] >> 8U); };
   const auto low = [&](std::size_t i) { return from_bcd(found[i] & 0xFFU); };
   switch (form) {
@@ -52,7 +50,49 @@ bool read_clock(NativeCall& call) {
     case ClockForm::binary: words = found; break;
     case ClockForm::fx: words = {found[5], found[4], found[3], found[2], found[1], found[0], found[6]}; break;
   }
-  return write(call, place(call, 4), words);
+  return true;
+}
+
+/// A date of 1980 to 2079, or a time within a day.
+bool is_clock_data(const std::array<std::uint16_t, 3>& words, bool is_date) {
+  if (!is_date) return words[0] < 24 && words[1] < 60 && words[2] < 60;
+  using namespace std::chrono;
+  const year_month_day date{year(words[0]), month(words[1]), day(words[2])};
+  return words[0] >= 1980 && words[0] <= 2079 && date.ok();
+}
+
+}  // namespace
+
+bool read_clock(NativeCall& call) {
+  ClockWords words{};
+  return clock_of(call, 1, static_cast<ClockForm>(call.slots[3]), words) &&
+         write(call, place(call, 4), words);
+}
+
+// The bits of the target choose what is compared, the last word by bit 0; bit 15 is for the clock in place of the second source. What is no
+// date or time is OFF, whatever the comparison.
+bool compare_clock(NativeCall& call) {
+  const Slot target = call.slots[5] & 0xFFFFU;
+  const bool is_date = call.slots[6] != 0;
+  std::array<std::uint16_t, 3> a{};
+  std::array<std::uint16_t, 3> b{};
+  if (!read(call, place(call, 1), a)) return false;
+  if ((target & 0x8000U) != 0) {
+    ClockWords words{};
+    if (!clock_of(call, 8, static_cast<ClockForm>(call.slots[10]), words)) return false;
+    std::copy_n(words.begin() + (is_date ? 0 : 3), b.size(), b.begin());
+  } else if (!read(call, place(call, 3), b)) {
+    return false;
+  }
+  call.slots[0] = 0;
+  const bool is_target = (target & 0x7FF8U) == 0 && (target & 7U) != 0;
+  if (!is_target || !is_clock_data(a, is_date) || !is_clock_data(b, is_date)) return true;
+  int order = 0;
+  for (std::size_t i = 0; i < a.size() && order == 0; ++i)
+    if ((target >> (2 - i) & 1U) != 0) order = a[i] < b[i] ? -1 : a[i] > b[i] ? 1 : 0;
+  const std::array<bool, 6> holds = {order == 0, order != 0, order > 0, order <= 0, order < 0, order >= 0};
+  call.slots[0] = holds.at(call.slots[7]) ? 1 : 0;
+  return true;
 }
 
 bool set_clock(NativeCall& call) {

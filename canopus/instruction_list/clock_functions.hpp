@@ -17,6 +17,7 @@ bool set_clock(NativeCall& call);      ///< -; source, offset, has two digits of
 bool time_of_day(NativeCall& call);    ///< seconds; source (hour, minute, second), offset
 bool store_time(NativeCall& call);     ///< -; seconds, destination, offset
 bool add_times(NativeCall& call);      ///< -; source, offset, source, offset, destination, offset, subtracts
+bool compare_clock(NativeCall& call);  ///< 1 or 0; source, offset, source, offset, target, is of dates, comparison, first register, offset, ClockForm
 bool refresh(NativeCall& call);        ///< -; device, offset, points
 // clang-format on
 

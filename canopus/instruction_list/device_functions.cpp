@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
 #include <span>
 #include <string>
 
@@ -383,6 +386,45 @@ bool counter_32(NativeCall& call) {
   return set_bit(call, slots[4], is_on) && set_bit(call, slots[3], is_done) &&
          set_word(call, slots[5], static_cast<std::uint16_t>(value)) &&
          set_word(call, slots[6], static_cast<std::uint16_t>(value >> 16U));
+}
+
+bool count_bits(NativeCall& call) {
+  call.slots[0] = static_cast<Slot>(std::popcount(call.slots[1]));
+  return true;
+}
+
+bool mean(NativeCall& call) {
+  const auto words_of_one = static_cast<std::size_t>(call.slots[4]);
+  std::size_t count = 0;
+  if (out_of_range(call, as_int(call.slots[3]), 1, as_int(call.slots[5])) ||
+      !count_of(call, call.slots[3], words_of_one, count))
+    return false;
+  Words words;
+  if (!read(call, place(call, 1), std::span(words).first(count))) return false;
+  const bool has_no_sign = call.slots[6] != 0;
+  std::int64_t sum = 0;
+  for (std::size_t i = 0; i < count; i += words_of_one) {
+    const std::uint32_t bits = words_of_one == 1 ? words[i] : std::uint32_t{words[i + 1]} << 16U | words[i];
+    sum += has_no_sign         ? std::int64_t{bits}
+           : words_of_one == 1 ? std::int64_t{static_cast<std::int16_t>(bits)}
+                               : std::int64_t{static_cast<std::int32_t>(bits)};
+  }
+  call.slots[0] = static_cast<Slot>(sum / as_int(call.slots[3]));
+  return true;
+}
+
+bool limit(NativeCall& call) {
+  const std::int64_t low = as_int(call.slots[1]);
+  const std::int64_t high = as_int(call.slots[2]);
+  if (out_of_range(call, low, std::numeric_limits<std::int32_t>::min(), high)) return false;
+  call.slots[0] = static_cast<Slot>(std::clamp(as_int(call.slots[3]), low, high));
+  return true;
+}
+
+bool square_root(NativeCall& call) {
+  if (out_of_range(call, as_int(call.slots[1]), 0, std::numeric_limits<std::int32_t>::max())) return false;
+  call.slots[0] = static_cast<Slot>(std::sqrt(static_cast<double>(call.slots[1])));  // exact below 2^53
+  return true;
 }
 
 }  // namespace canopus::instruction_list::device_functions

@@ -27,6 +27,10 @@ bool move_text(NativeCall& call);      ///< -; source (or `none`), offset, place
 bool compare_text(NativeCall& call);   ///< -1, 0, 1; source (or `none`), offset, place, length, and the same again
 bool timer(NativeCall& call);          ///< contact; condition, setting, contact, coil, value, unit in ns, is retentive, state
 bool counter(NativeCall& call);        ///< -; condition, setting, contact, coil, value
+bool count_bits(NativeCall& call);     ///< result; value
+bool mean(NativeCall& call);           ///< result; source, offset, n, words of one, the largest n, has no sign
+bool limit(NativeCall& call);          ///< result; lower limit, upper limit, value
+bool square_root(NativeCall& call);    ///< result; value
 bool counter_32(NativeCall& call);     ///< -; condition, setting, contact, coil, low word, high word, counts down
 // clang-format on
 

@@ -26,6 +26,7 @@ enum class Action : std::uint8_t {
   edge_relay,    ///< EGP EGF
   compare,       ///< = <> > <= < >=
   compare_text,
+  compare_clock,  ///< LDDT= and LDTM= ...: dates or times of three words
   out,
   out_high_speed,  ///< OUTH: 10 ms
   out_millisecond,
@@ -77,6 +78,10 @@ enum class Action : std::uint8_t {
   truncate_real,
   compare_to_bits,  ///< CMP
   zone_compare,     ///< ZCP
+  count_bits,       ///< SUM
+  mean,
+  limit,
+  square_root,
   from,
   to,
   move_text,

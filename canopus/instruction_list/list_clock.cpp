@@ -51,6 +51,14 @@ void ListCompiler::clock_words(bool sets) {
     locate(slots, 1, *words);
     return native(clock_functions::set_clock, slots);
   }
+  const auto registers = clock_registers();
+  if (!registers) return;
+  const std::uint32_t slots = record({registers->first, 0, registers->second, 0, 0});
+  locate(slots, 4, *words);
+  native(clock_functions::read_clock, slots);
+}
+
+std::optional<std::pair<std::uint32_t, ListCompiler::Slot>> ListCompiler::clock_registers() {
   using clock_functions::ClockForm;
   const bool is_fx = shared_.family == Family::fx3 || shared_.family == Family::fx5;
   const ClockForm form = is_fx                         ? ClockForm::fx
@@ -60,10 +68,31 @@ void ListCompiler::clock_words(bool sets) {
                          : shared_.family == Family::fx5 ? "SD8013"
                                                          : "SD210",
                          operands_[0]);
-  if (!registers) return;
-  const std::uint32_t slots = record({add_device(std::move(*registers)), 0, static_cast<Slot>(form), 0, 0});
-  locate(slots, 4, *words);
-  native(clock_functions::read_clock, slots);
+  if (!registers) return std::nullopt;
+  return std::pair(add_device(std::move(*registers)), static_cast<Slot>(form));
+}
+
+void ListCompiler::compare_clock(std::string_view name, unsigned variant) {
+  const auto found = [&]() -> std::optional<std::uint32_t> {
+    const auto a = located(operands_[0], Elementary::word);
+    const auto b = located(operands_[1], Elementary::word);
+    const auto target = load(operands_[2], Elementary::int_);
+    const auto registers = clock_registers();
+    if (!a || !b || !target || !registers) return std::nullopt;
+    const bool is_date = !name.contains("TM");  // "LDTM" has DT in it, too
+    const std::uint32_t slots =
+        record({0, 0, 0, 0, 0, is_date ? 1U : 0U, variant, registers->first, 0, registers->second});
+    locate(slots, 1, *a);
+    locate(slots, 3, *b);
+    emit(Opcode::move, slots + 5, *target);
+    native(clock_functions::compare_clock, slots);
+    return slots;
+  }();
+  const unsigned place = name.starts_with("LD") ? 0 : name.starts_with("AND") ? 1 : 2;
+  if (found)
+    combine(place, *found);
+  else if (place == 0)
+    push_result();
 }
 
 std::optional<std::uint32_t> ListCompiler::time_of_day(const Operand& operand) {

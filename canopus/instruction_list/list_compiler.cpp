@@ -46,6 +46,7 @@ bool is_output(Action action) {
     case Action::edge_relay:
     case Action::compare:
     case Action::compare_text:
+    case Action::compare_clock:
     case Action::nothing: return false;
     default: return true;
   }
@@ -632,6 +633,7 @@ void ListCompiler::execute(const NamedInstruction& named) {
     case Action::stack: return stack(named.variant);
     case Action::compare: return compare(name, named.variant, type);
     case Action::compare_text: return compare_text(name, named.variant);
+    case Action::compare_clock: return compare_clock(name, named.variant);
     case Action::invert:
       if (const auto top = result()) invert(*top);
       return;
@@ -726,6 +728,10 @@ void ListCompiler::execute(const NamedInstruction& named) {
     case Action::to_seconds:
     case Action::from_seconds: clock_instruction(named, type); break;
     case Action::refresh: refresh(); break;
+    case Action::count_bits:
+    case Action::mean:
+    case Action::limit:
+    case Action::square_root: calculation(action, type); break;
     default: values(named, type); break;
   }
   land(over);

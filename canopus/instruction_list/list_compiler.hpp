@@ -14,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "canopus/instruction_list/instructions.hpp"
@@ -40,7 +41,7 @@ struct Shared {
   std::span<const Label> labels;
   InterruptPrograms interrupts{program};
   std::map<program::Native, std::uint32_t> natives{};
-  std::optional<std::uint32_t> index_registers{};  ///< place of Z0 to Z7 and V0 to V7 of an FX3 in the memory
+  std::optional<std::uint32_t> index_registers{};  ///< place of V0 to V7 of an FX3 in the memory; Z0 to Z7 are devices
   bool is_too_large = false;
 };
 
@@ -187,6 +188,8 @@ class ListCompiler {
   bool store_access(program::DeviceAccess access, const std::string& index, std::uint32_t value);
   std::optional<std::uint32_t> load_access(program::DeviceAccess access, const std::string& index,
                                            std::optional<std::uint32_t> into = {});
+  bool load_index_register(const Operand& operand, std::uint32_t into);
+  bool store_index_register(const Operand& operand, std::uint32_t value);
   [[nodiscard]] std::uint32_t index_register_place(std::uint32_t number);
   /// To the device that many points behind: the remainder, the next of three bits.
   bool store_behind(const Operand& operand, unsigned points, Elementary type, std::uint32_t value);
@@ -199,6 +202,7 @@ class ListCompiler {
   void stack(unsigned variant);
   void compare(std::string_view name, unsigned variant, Elementary type);
   void compare_text(std::string_view name, unsigned variant);
+  void compare_clock(std::string_view name, unsigned variant);
   void out(std::int64_t unit);
   void out_timer(const Operand& timer, std::uint32_t when, std::int64_t unit);
   void out_counter(const Operand& counter, std::uint32_t when);
@@ -224,10 +228,14 @@ class ListCompiler {
   void store_comparison(std::uint32_t low, std::uint32_t high, std::uint32_t value);
   void clock_instruction(const NamedInstruction& named, Elementary type);
   void clock_words(bool sets);
+  /// The registers that show the clock, and how: ClockForm.
+  std::optional<std::pair<std::uint32_t, Slot>> clock_registers();
   void compare_times(bool is_zone);
   std::optional<std::uint32_t> time_of_day(const Operand& operand);
   void refresh();
   void arithmetic(const NamedInstruction& named, Elementary type);
+  /// SUM, MEAN, LIMIT, SQR
+  void calculation(Action action, Elementary type);
   void values(const NamedInstruction& named, Elementary type);
 
   Shared& shared_;

@@ -5,6 +5,7 @@
 
 #include "canopus/instruction_list/device_functions.hpp"
 #include "canopus/instruction_list/list_compiler.hpp"
+#include "canopus/program/standard_functions.hpp"
 
 namespace canopus::instruction_list {
 
@@ -432,6 +433,53 @@ void ListCompiler::values(const NamedInstruction& named, Elementary type) {
     }
     default: error(text_->instructions[row_].name + ": not compiled"); return;
   }
+}
+
+void ListCompiler::calculation(Action action, Elementary type) {
+  const bool is_double = type == Elementary::dint || type == Elementary::udint;
+  const bool has_no_sign = type == Elementary::uint || type == Elementary::udint;
+  if (action == Action::mean) {
+    const auto from = located(operands_[0], Elementary::word);
+    const auto count = load(operands_[2], Elementary::int_);
+    if (!from || !count) return;
+    const Slot most = shared_.family == Family::fx3 ? 64 : 32'767;
+    const std::uint32_t slots = record({0, 0, 0, is_double ? 2U : 1U, most, has_no_sign ? 1U : 0U});
+    locate(slots, 1, *from);
+    emit(Opcode::move, slots + 3, *count);
+    native(functions::mean, slots);
+    return (void)store(operands_[1], type, slots);
+  }
+  if (action == Action::count_bits) {
+    const auto value = load(operands_[0], is_double ? Elementary::dword : Elementary::word);
+    if (!value) return;
+    const std::uint32_t slots = record({0});
+    emit(Opcode::move, slots + 1, *value);
+    native(functions::count_bits, slots);
+    if (!store(operands_[1], letters_.ends_with('W') ? Elementary::int_ : type, slots)) return;
+    if (shared_.family != Family::fx3) return;
+    auto zero = named("M8020", operands_[0]);
+    if (!zero) return;
+    zero->form = DeviceAccess::Form::bit;
+    zero->type = Elementary::boolean;
+    const std::uint32_t is_zero = temporary();
+    emit(Opcode::eq, is_zero, slots, constant(0));
+    emit(Opcode::write_device, add_device(std::move(*zero)), is_zero);
+    return;
+  }
+  std::vector<std::uint32_t> values;
+  for (std::size_t i = 0; i + 1 < operands_.size(); ++i) {
+    const auto value = load(operands_[i], type);
+    if (!value) return;
+    values.push_back(*value);
+  }
+  const std::uint32_t slots = record({0, 0, 0});
+  for (std::size_t i = 0; i < values.size(); ++i)
+    emit(Opcode::move, slots + 1 + static_cast<std::uint32_t>(i), values[i]);
+  native(action == Action::limit    ? functions::limit
+         : type == Elementary::real ? program::native_named("SQRT_REAL")
+                                    : functions::square_root,
+         slots);
+  (void)store(operands_.back(), type, slots);
 }
 
 void ListCompiler::compare_to_bits(bool is_zone, Elementary type) {

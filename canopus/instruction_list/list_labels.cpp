@@ -67,7 +67,7 @@ std::expected<Operand, std::string> ListCompiler::operand_of(const std::string& 
     return !symbol.is_program && ascii::equal_ignoring_case(symbol.name, text);
   });
   const bool is_index_register =
-      global != symbols.end() && shared_.index_registers && global->place - *shared_.index_registers < 16;
+      global != symbols.end() && shared_.index_registers && global->place - *shared_.index_registers < 8;
   if (global == symbols.end() || global->type->form != DataType::Form::elementary || is_index_register)
     return parse_operand(text, shared_.family);
   Operand made;

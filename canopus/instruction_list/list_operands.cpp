@@ -112,15 +112,42 @@ std::optional<DeviceAccess> ListCompiler::bit_access(const Operand& operand) {
 
 std::uint32_t ListCompiler::index_register_place(std::uint32_t number) {
   if (!shared_.index_registers) {
-    shared_.index_registers = place_in_memory(16);
+    shared_.index_registers = place_in_memory(8);
     program::Program& program = shared_.program;
     program.types.push_back({.form = DataType::Form::elementary, .base = Elementary::int_, .name = "INT"});
-    for (std::uint32_t i = 0; i < 16; ++i)
-      program.symbols.push_back({.name = (i < 8 ? "Z" : "V") + std::to_string(i % 8),
+    for (std::uint32_t i = 0; i < 8; ++i)
+      program.symbols.push_back({.name = "V" + std::to_string(i),
                                  .type = &program.types.back(),
                                  .place = *shared_.index_registers + i});
   }
-  return *shared_.index_registers + number;
+  return *shared_.index_registers + number - 8;
+}
+
+// Z0 to Z7 are those of the CPU, which a program in Structured Text has, too; V0 to V7 are in lists alone.
+bool ListCompiler::load_index_register(const Operand& operand, std::uint32_t into) {
+  if (operand.number > 7) {
+    emit(Opcode::load_global, into, index_register_place(operand.number));
+    return true;
+  }
+  auto access = named("Z" + std::to_string(operand.number), operand);
+  if (!access) return false;
+  access->type = Elementary::int_;
+  access->count = 1;
+  emit(Opcode::read_device, into, add_device(std::move(*access)));
+  return true;
+}
+
+bool ListCompiler::store_index_register(const Operand& operand, std::uint32_t value) {
+  if (operand.number > 7) {
+    emit(Opcode::store_global, index_register_place(operand.number), value);
+    return true;
+  }
+  auto access = named("Z" + std::to_string(operand.number), operand);
+  if (!access) return false;
+  access->type = Elementary::int_;
+  access->count = 1;
+  emit(Opcode::write_device, add_device(std::move(*access)), value);
+  return true;
 }
 
 std::optional<std::uint32_t> ListCompiler::index_value(const std::string& register_name) {
@@ -208,7 +235,7 @@ std::optional<std::uint32_t> ListCompiler::load(const Operand& operand, Elementa
   const std::uint8_t words = words_of(type);
   if (operand.kind == Kind::index_register) {
     const std::uint32_t low = temporary();
-    emit(Opcode::load_global, low, index_register_place(operand.number));
+    if (!load_index_register(operand, low)) return std::nullopt;
     if (words == 1) return low;
     if (words > 2 || operand.number > 7) {
       operand_error(operand, "expected Z0 to Z7 for 32 bits, which are V and Z of that number");
@@ -267,7 +294,7 @@ bool ListCompiler::store(const Operand& operand, Elementary type, std::uint32_t 
   if (operand.kind == Kind::index_register) {
     const std::uint32_t low = temporary();
     emit(Opcode::wrap_i16, low, value);
-    emit(Opcode::store_global, index_register_place(operand.number), low);
+    if (!store_index_register(operand, low)) return false;
     if (words == 1) return true;
     if (words > 2 || operand.number > 7) {
       operand_error(operand, "expected Z0 to Z7 for 32 bits, which are V and Z of that number");

@@ -75,9 +75,14 @@ class Image final : public canopus::program::DeviceImage {
  private:
   DeviceError check(const DevicePoint& first, std::size_t count) const {
     if (first.is_buffer && first.unit != 0) return DeviceError::no_module;
-    const bool is_there = first.is_buffer ? first.number + count <= 1000
-                                          : model_.has(static_cast<canopus::plc::Device>(first.device),
-                                                       first.number, static_cast<std::uint32_t>(count));
+    const bool is_index_register =  // of an FX3, which has them for its programs alone
+        model_.family == canopus::plc::CpuFamily::fx3 &&
+        first.device == static_cast<std::uint16_t>(canopus::plc::Device::z) && first.number + count <= 8;
+    const bool is_there = first.is_buffer     ? first.number + count <= 1000
+                          : is_index_register ? true
+
+                                              : model_.has(static_cast<canopus::plc::Device>(first.device),
+                                                           first.number, static_cast<std::uint32_t>(count));
     return is_there ? DeviceError::none : DeviceError::out_of_range;
   }
 
