@@ -150,7 +150,10 @@ class LabelReader {
       if (is_constant && value.empty())
         return error(line, "constant: expected a number, such as 10 or 16#FF");
       to_.list_labels.push_back({program_, name, *type, value});
-      if (!is_constant && !device.empty())
+      if (is_constant) return;
+      if (device.empty())
+        to_.comments.push_back({program_ + '.' + name, comment});
+      else
         to_.labels.push_back({program_ + '.' + name, *type, ascii::upper(device), comment});
       return;
     }
@@ -160,7 +163,10 @@ class LabelReader {
                             kind.ends_with("RETAIN") && device.empty() ? " RETAIN" : "", name,
                             device.empty() ? "" : " AT " + device, *type,
                             constant.empty() || !device.empty() ? "" : " := " + constant);
-    if (!device.empty()) to_.labels.push_back({name, *type, ascii::upper(device), comment});
+    if (device.empty())
+      to_.comments.push_back({name, comment});
+    else
+      to_.labels.push_back({name, *type, ascii::upper(device), comment});
   }
 
   const std::string& file_;

@@ -11,10 +11,17 @@
 
 namespace canopus::plant {
 
+/// Of a label that is a variable of the program.
+struct LabelComment {
+  std::string name{};  ///< "start", a local one "MAIN.start"
+  std::string comment{};
+};
+
 struct LabelFile {
   std::string text{};  ///< VAR_GLOBAL ... END_VAR for each label, in the line that it has in the file
   std::vector<plc::DeviceLabel> labels{};  ///< those that have a device; local ones as "MAIN.start"
   std::vector<instruction_list::Label> list_labels{};  ///< those that instruction lists need besides the text
+  std::vector<LabelComment> comments{};
   std::vector<structured_text::CompileError> errors{};
 };
 

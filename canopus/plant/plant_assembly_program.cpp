@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -186,7 +187,7 @@ std::string plcopen_text(const ProgramFile& file, const std::string& path, std::
 structured_text::Source label_source(const ProgramFile& file, const std::filesystem::path& folder,
                                      std::vector<plc::DeviceLabel>& labels,
                                      std::vector<instruction_list::Label>& list_labels,
-                                     text::FileErrors& errors) {
+                                     std::vector<LabelComment>& comments, text::FileErrors& errors) {
   const std::string path = (folder / file.path).lexically_normal().string();
   const auto text = text::read_file_or_reason(path);
   if (!text) {
@@ -197,7 +198,29 @@ structured_text::Source label_source(const ProgramFile& file, const std::filesys
   add_mistakes(file, "labels", made.errors, errors);
   labels.insert(labels.end(), made.labels.begin(), made.labels.end());
   list_labels.insert(list_labels.end(), made.list_labels.begin(), made.list_labels.end());
+  comments.insert(comments.end(), made.comments.begin(), made.comments.end());
   return {path + " (labels)", std::move(made.text)};
+}
+
+/// Comments of labels become those of the program's variables.
+void add_comments(program::Program& program, std::span<const LabelComment> comments) {
+  std::map<std::string, const std::string*> by_name;
+  for (const LabelComment& each : comments)
+    if (!each.comment.empty()) by_name.emplace(ascii::upper(each.name), &each.comment);
+  if (by_name.empty()) return;
+  const auto find = [&](const std::string& name, std::string& to) {
+    if (const auto found = by_name.find(ascii::upper(name)); found != by_name.end()) to = *found->second;
+  };
+  for (program::Symbol& symbol : program.symbols) {
+    if (!symbol.is_program) {
+      find(symbol.name, symbol.comment);
+      continue;
+    }
+    const auto type = std::ranges::find_if(
+        program.types, [&](const program::DataType& each) { return &each == symbol.type; });
+    if (type == program.types.end()) continue;
+    for (program::Member& member : type->members) find(symbol.name + '.' + member.name, member.comment);
+  }
 }
 
 /// The latest label is a local one: its file has the name of a list.
@@ -226,6 +249,7 @@ PlcProgram compile_program(const PlcSection& plc, const std::string& plant_file)
   std::vector<const ProgramFile*> files;  // of each source
   std::vector<plc::DeviceLabel> labels;
   std::vector<instruction_list::Label> list_labels;
+  std::vector<LabelComment> comments;
   for (const ProgramFile& file : plc.program_files) {
     if (file.path.starts_with(ProgramFile::library)) {
       if (std::ranges::any_of(std::span(plc.program_files.data(), &file), [&](const ProgramFile& other) {
@@ -259,7 +283,7 @@ PlcProgram compile_program(const PlcSection& plc, const std::string& plant_file)
     files.push_back(&file);
   }
   for (const ProgramFile& file : plc.label_files) {
-    sources.push_back(label_source(file, folder, labels, list_labels, errors));
+    sources.push_back(label_source(file, folder, labels, list_labels, comments, errors));
     files.push_back(&file);
     check_local_labels(file, plc, list_labels, errors);
   }
@@ -273,6 +297,7 @@ PlcProgram compile_program(const PlcSection& plc, const std::string& plant_file)
     add_mistakes(file, number < files.size() - plc.label_files.size() ? "program" : "labels", {&error, 1},
                  errors);
   }
+  if (made.program != nullptr) add_comments(*made.program, comments);
   sources.resize(sources.size() - plc.label_files.size());  // those are no text of the program
   PlcProgram result{std::move(made.program), errors.release()};
   result.labels = std::move(labels);

@@ -113,10 +113,13 @@ Result<Json> label_request(plant::Plant& plant, std::size_t plc, const plc::Devi
 
 Result<Json> variables(const program::Machine& machine) {
   Json list = Json::array();
-  for (const program::Symbol& symbol : machine.program().symbols)
-    list.push_back({{"name", symbol.name},
-                    {"type", symbol.type->name},
-                    {"value", machine.read(symbol.name).value_or("")}});
+  for (const program::Symbol& symbol : machine.program().symbols) {
+    Json row{{"name", symbol.name},
+             {"type", symbol.type->name},
+             {"value", machine.read(symbol.name).value_or("")}};
+    if (!symbol.comment.empty()) row["comment"] = symbol.comment;
+    list.push_back(std::move(row));
+  }
   return Json{{"variables", std::move(list)}};
 }
 

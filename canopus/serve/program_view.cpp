@@ -10,6 +10,7 @@
 #include "canopus/ascii/words.hpp"
 #include "canopus/module/interface/module.hpp"
 #include "canopus/plant/file/plant_file.hpp"
+#include "canopus/plc/execution/device_label.hpp"
 #include "canopus/plc/execution/program_execution.hpp"
 #include "canopus/plc/execution/program_text.hpp"
 #include "canopus/program/variables.hpp"
@@ -200,6 +201,23 @@ Json program_variables(plant::Plant& plant, std::size_t plc, std::string_view fi
                             {"comment", variable.comment}});
     return true;
   });
+  // Labels of devices are no variables of the machine, but have names, values and comments as these.
+  for (const plc::DeviceLabel& label : plant.program(plc)->labels()) {
+    const bool is_wanted = find.empty() || ascii::contains_ignoring_case(label.name, find) ||
+                           ascii::contains_ignoring_case(label.type, find) ||
+                           ascii::contains_ignoring_case(label.comment, find);
+    if (!is_wanted) continue;
+    const std::size_t place = matching++;
+    if (place < from || place - from >= count) continue;
+    list["rows"].push_back(
+        {{"name", label.name},
+         {"type", label.type},
+         {"value", plc::read_label(plant.rack(plc), label, plant.timeline().now()).value_or("?")},
+         {"forced", false},
+         {"writable", true},
+         {"retain", false},
+         {"comment", label.comment}});
+  }
   list["of"] = matching;
   return list;
 }

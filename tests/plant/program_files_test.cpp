@@ -5,6 +5,7 @@
 #include "canopus/plant/plcopen_source.hpp"
 #include "canopus/plc/execution/program_execution.hpp"
 #include "canopus/serve/device_control.hpp"
+#include "canopus/serve/program_view.hpp"
 
 #include "support/plant_folder.hpp"
 
@@ -310,6 +311,32 @@ TEST_F(ProgramFiles, Labels_AreVariablesAtTheirDevices) {
   EXPECT_THAT(control.answer(R"({"request": "program", "file": "main.st", "from": 2, "count": 1})"),
               HasSubstr("\"column\":1,\"length\":5,\"name\":\"D100\",\"type\":\"WORD\",\"value\":\"65533\","
                         "\"device\":true"));
+}
+
+TEST_F(ProgramFiles, CommentsOfLabels_AreThoseOfTheVariables) {
+  write("global.csv",
+        "Class,Label Name,Data Type,Constant,Device,Comment\n"
+        "VAR_GLOBAL,speed,Word [Signed],,D100,of the belt\nVAR_GLOBAL,total,Word [Signed],,,parts in all\n");
+  write("labels/MAIN.csv",
+        "Class,Label Name,Data Type,Constant,Device,Comment\nVAR,last,Word [Signed],,,the one before\n");
+  write("MAIN.csv",
+        "0,,LD,SM400\n1,,MOV,K7\n,,,last\n2,,MOV,last\n,,,total\n3,,MOV,total\n,,,speed\n4,,END,\n");
+  const auto made = load(
+      plant("program = [\"MAIN.csv\"]\nlabels = [\"global.csv\", \"labels/MAIN.csv\"]\nscan = \"10ms\"\n"),
+      *this);
+  ASSERT_NE(made, nullptr);
+  made->power_on();
+  serve::DeviceControl control(*made);
+  EXPECT_THAT(control.answer(R"({"request": "variables"})"),
+              HasSubstr(R"({"name":"total","type":"INT","value":"7","comment":"parts in all"})"));
+  const auto listed = [&](std::string_view find) {
+    return serve::program_variables(*made, 0, find, 0, 10).dump();
+  };
+  EXPECT_THAT(listed(""), testing::AllOf(HasSubstr(R"("comment":"parts in all")"), HasSubstr(R"("of":3)"),
+                                         HasSubstr(R"("comment":"the one before")")));
+  EXPECT_EQ(listed("belt"),
+            R"({"from":0,"rows":[{"name":"speed","type":"INT","value":"7","forced":false,"writable":true,)"
+            R"("retain":false,"comment":"of the belt"}],"of":1})");
 }
 
 TEST_F(ProgramFiles, Labels_AreOperandsOfInstructionLists) {
