@@ -429,9 +429,8 @@ void UnitCompiler::store(const Place& place, Value value) {
       body_.emit(Opcode::shl, shifted, value.slot, body_.constant(place.first_bit));
       body_.emit(Opcode::bit_and, rest, whole.slot, body_.constant(~mask));
       body_.emit(Opcode::bit_or, rest, rest, shifted);
-      // An integer's sign may have changed.
-      const Value changed =
-          numeric_conversion({type(Elementary::lword), rest}, place.whole->type, nowhere, false);
+      // An integer's sign may have changed, and a value has left its subrange.
+      const Value changed = convert({type(Elementary::lword), rest}, place.whole->type, body_.at, true);
       return store(*place.whole, changed);
     }
     case Place::Kind::none:
