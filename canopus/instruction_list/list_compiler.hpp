@@ -41,7 +41,8 @@ struct Shared {
   std::span<const Label> labels;
   InterruptPrograms interrupts{program};
   std::map<program::Native, std::uint32_t> natives{};
-  std::optional<std::uint32_t> index_registers{};  ///< place of V0 to V7 of an FX3 in the memory; Z0 to Z7 are devices
+  std::optional<std::uint32_t>
+      index_registers{};  ///< place of V0 to V7 of an FX3 in the memory; Z0 to Z7 are devices
   bool is_too_large = false;
 };
 

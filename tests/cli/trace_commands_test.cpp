@@ -15,8 +15,8 @@
 #include <unistd.h>
 
 #include "canopus/cli/app/command_line.hpp"
-#include "canopus/cli/trace/trace_options.hpp"
 #include "canopus/cli/output/new_file.hpp"
+#include "canopus/cli/trace/trace_options.hpp"
 
 #include "paths.hpp"
 

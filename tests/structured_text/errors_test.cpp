@@ -168,9 +168,11 @@ TEST(StructuredTextErrors, Declarations_NameThePlaceAndWhatWasExpected) {
           {"PROGRAM P VAR_EXTERNAL x : INT; END_VAR END_PROGRAM",
            "1:24: expected the name of a global variable: there is no VAR_GLOBAL x"},
           {"TYPE p : REF_TO INT; END_TYPE",
-           "1:10: expected a type (there are no references; VAR_IN_OUT passes a variable itself), found 'REF_TO'"},
+           "1:10: expected a type (there are no references; VAR_IN_OUT passes a variable itself), found "
+           "'REF_TO'"},
           {"PROGRAM P VAR p : POINTER TO INT; END_VAR END_PROGRAM",
-           "1:19: expected a type (there are no pointers; VAR_IN_OUT passes a variable itself), found 'POINTER'"},
+           "1:19: expected a type (there are no pointers; VAR_IN_OUT passes a variable itself), found "
+           "'POINTER'"},
           {"PROGRAM P VAR a : ARRAY[1..2] OF INT := 1, 2, 3; END_VAR END_PROGRAM",
            "1:41: expected at most 2 values"},
           {"PROGRAM P VAR a : ARRAY[1..2] OF INT := ; END_VAR END_PROGRAM",

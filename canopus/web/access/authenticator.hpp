@@ -76,8 +76,8 @@ class Authenticator : public std::enable_shared_from_this<Authenticator> {
   };
   [[nodiscard]] static Found look_up(const WebGateOptions& options, const std::string& name,
                                      const std::string& password, std::size_t decoy);
-  void finish_log_in(const Found& found, WebUser user, const Client& client, const WebPlace& place, WebMoment now,
-                 const Answer& answer);
+  void finish_log_in(const Found& found, WebUser user, const Client& client, const WebPlace& place,
+                     WebMoment now, const Answer& answer);
   void update_users(const Found& found);
   void note(const WebUser& user, const std::string& what, int code) const;
 

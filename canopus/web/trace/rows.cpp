@@ -34,8 +34,7 @@ void TraceRows::work(const TraceStore& store, std::size_t count) {
   next_ = std::max(next_, store.begin());
   for (; count > 0 && next_ < store.end(); --count, ++next_) {
     const trace::TraceRecord& record = store.at(next_);
-    decoder_.receive(record, buses_[record.channel],
-                     [this](const Message& message) { add(message, next_); });
+    decoder_.receive(record, buses_[record.channel], [this](const Message& message) { add(message, next_); });
   }
 }
 
