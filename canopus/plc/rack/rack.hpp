@@ -211,6 +211,7 @@ class Rack final : private can::Ticker {
   [[nodiscard]] bool output(std::uint32_t number) const noexcept;
   /// Y of the memory and of the module, independent of the scan.
   void set_output(std::uint32_t number, bool on, can::Time now);
+  void outputs_to_module(const Slot& slot, can::Time now);
   /// D and SR that are a module's, among `words`, which begin with number `first`.
   void read_registers(Device device, std::uint32_t first, std::span<std::uint16_t> words, can::Time now);
   void write_registers(Device device, std::uint32_t first, std::span<const std::uint16_t> words,
