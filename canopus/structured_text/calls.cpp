@@ -132,6 +132,18 @@ const DataType* UnitCompiler::result_of(Expression& e, UnitInfo& function) {
   return function.result;
 }
 
+namespace {
+
+/// What a call of a PROGRAM or a function block by its own name must be instead.
+std::string expected_instance(const UnitInfo& unit, const Expression& callee) {
+  const std::string name(callee.written);
+  if (unit.unit != nullptr && unit.unit->kind == Unit::Kind::program)
+    return "expected a function or an instance: the CPU executes the PROGRAM " + name + " by itself";
+  return "expected an instance: a variable of type " + name;
+}
+
+}  // namespace
+
 const DataType* UnitCompiler::call_type(Expression& e) {
   Expression& callee = *e.children.front();
   if (UnitInfo* const method = method_of(callee); method != nullptr) return result_of(e, *method);
@@ -139,7 +151,7 @@ const DataType* UnitCompiler::call_type(Expression& e) {
     if (UnitInfo* const unit = declarations_.unit_named(callee.name);
         unit != nullptr && unit->unit != nullptr) {
       if (unit->unit->kind != Unit::Kind::function) {
-        error(e.at, "expected an instance: a variable of type " + std::string(callee.written));
+        error(e.at, expected_instance(*unit, callee));
         return nullptr;
       }
       return result_of(e, *unit);
@@ -193,11 +205,7 @@ void UnitCompiler::call_statement(Expression& e) {
       (void)expression(e, nullptr);
       return;
     }
-    if (unit != nullptr && unit->unit != nullptr && unit->unit->kind == Unit::Kind::program)
-      return error(e.at, "expected a function or an instance: the CPU executes the PROGRAM " +
-                             std::string(callee.written) + " by itself");
-    if (unit != nullptr)
-      return error(e.at, "expected an instance: a variable of type " + std::string(callee.written));
+    if (unit != nullptr) return error(e.at, expected_instance(*unit, callee));
     return error(e.at, "there is no function or function block instance " + std::string(callee.written) +
                            (is_instruction(callee.name)
                                 ? ": instructions are for lists; expected :=, IF, or a block such as TON"

@@ -706,7 +706,9 @@ std::optional<DeviceAccess> Declarations::device(std::string_view text, std::str
   }
   const unsigned bits = wanted ? program::info(*wanted).bits : 0;
   if (bit) {
-    if (access.point.is_bit) return wrong("expected a word device before the point");
+    if (access.point.is_bit)
+      return wrong(text.starts_with('%') ? "expected one number behind %IX and %QX, as in %IX10"
+                                         : "expected a word device before the point");
     if (wanted && bits != 1) return wrong("expected BOOL for a bit");
     access.form = DeviceAccess::Form::bit_of_word;
     access.count = static_cast<std::uint8_t>(*bit);

@@ -116,6 +116,12 @@ TEST(ExportedPrograms, WhatANameIs_StandsBehindTheMistake) {
   };
   EXPECT_EQ(with("Other();"),
             "main.st:3:1: expected a function or an instance: the CPU executes the PROGRAM Other by itself");
+  EXPECT_EQ(with("Other(n := 3);"),
+            "main.st:3:1: expected a function or an instance: the CPU executes the PROGRAM Other by itself");
+  EXPECT_EQ(with("x := Other(3);"),
+            "main.st:3:6: expected a function or an instance: the CPU executes the PROGRAM Other by itself");
+  EXPECT_EQ(with("%QX0.1 := TRUE;"),
+            "main.st:3:1: %QX0.1: expected one number behind %IX and %QX, as in %IX10");
   EXPECT_EQ(with("x := Other.n;"),
             "main.st:3:6: there is no variable Other: it is a PROGRAM, whose variables are its own; use "
             "VAR_GLOBAL");
