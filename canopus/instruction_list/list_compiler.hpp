@@ -189,6 +189,7 @@ class ListCompiler {
   bool store_access(program::DeviceAccess access, const std::string& index, std::uint32_t value);
   std::optional<std::uint32_t> load_access(program::DeviceAccess access, const std::string& index,
                                            std::optional<std::uint32_t> into = {});
+  std::optional<program::DeviceAccess> index_register(const Operand& operand);
   bool load_index_register(const Operand& operand, std::uint32_t into);
   bool store_index_register(const Operand& operand, std::uint32_t value);
   [[nodiscard]] std::uint32_t index_register_place(std::uint32_t number);

@@ -123,16 +123,23 @@ std::uint32_t ListCompiler::index_register_place(std::uint32_t number) {
   return *shared_.index_registers + number - 8;
 }
 
+/// Z0 to Z7, as a word.
+std::optional<program::DeviceAccess> ListCompiler::index_register(const Operand& operand) {
+  auto access = named("Z" + std::to_string(operand.number), operand);
+  if (!access) return std::nullopt;
+  access->type = Elementary::int_;
+  access->count = 1;
+  return access;
+}
+
 // Z0 to Z7 are those of the CPU, which a program in Structured Text has, too; V0 to V7 are in lists alone.
 bool ListCompiler::load_index_register(const Operand& operand, std::uint32_t into) {
   if (operand.number > 7) {
     emit(Opcode::load_global, into, index_register_place(operand.number));
     return true;
   }
-  auto access = named("Z" + std::to_string(operand.number), operand);
+  auto access = index_register(operand);
   if (!access) return false;
-  access->type = Elementary::int_;
-  access->count = 1;
   emit(Opcode::read_device, into, add_device(std::move(*access)));
   return true;
 }
@@ -142,10 +149,8 @@ bool ListCompiler::store_index_register(const Operand& operand, std::uint32_t va
     emit(Opcode::store_global, index_register_place(operand.number), value);
     return true;
   }
-  auto access = named("Z" + std::to_string(operand.number), operand);
+  auto access = index_register(operand);
   if (!access) return false;
-  access->type = Elementary::int_;
-  access->count = 1;
   emit(Opcode::write_device, add_device(std::move(*access)), value);
   return true;
 }

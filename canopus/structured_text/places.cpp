@@ -12,6 +12,18 @@ using program::Family;
 using program::Member;
 using program::MemberKind;
 
+namespace {
+
+/// TRUE, or a value of an enumeration.
+Place literal_place(const DataType* type, Slot value) {
+  Place found{.kind = Place::Kind::constant, .type = type, .value = value};
+  found.is_constant = true;
+  found.why_constant = "expected a variable";
+  return found;
+}
+
+}  // namespace
+
 bool UnitCompiler::is_constant_external(std::string_view name) const {
   if (unit_ == nullptr) return false;
   const auto found = unit_->externals.find(name);
@@ -97,11 +109,7 @@ std::string UnitCompiler::what_it_is(std::string_view name) {
 Place UnitCompiler::named(Expression& expression) {
   const std::string_view name = expression.name;
   if (name == "TRUE" || name == "FALSE") {
-    Place found{
-        .kind = Place::Kind::constant, .type = type(Elementary::boolean), .value = name == "TRUE" ? 1U : 0U};
-    found.is_constant = true;
-    found.why_constant = "expected a variable";
-    return found;
+    return literal_place(type(Elementary::boolean), name == "TRUE" ? 1U : 0U);
   }
   if (const auto own = own_variable(expression)) return *own;
   const std::size_t before = declarations_.mistakes();
@@ -129,12 +137,7 @@ Place UnitCompiler::named(Expression& expression) {
             "expected TYPE#" + std::string(expression.written) + ": several enumerations have this value");
       return {};
     }
-    Place place{.kind = Place::Kind::constant,
-                .type = values->front().type,
-                .value = static_cast<Slot>(values->front().value)};
-    place.is_constant = true;
-    place.why_constant = "expected a variable";
-    return place;
+    return literal_place(values->front().type, static_cast<Slot>(values->front().value));
   }
   if (declarations_.looks_like_device(name)) {
     if (constants_only_) {
@@ -205,10 +208,7 @@ const EnumerationValue* UnitCompiler::qualified_value(const Expression& member) 
 Place UnitCompiler::member(Expression& expression) {
   Expression& base = *expression.children.front();
   if (const EnumerationValue* const value = qualified_value(expression); value != nullptr) {
-    Place found{.kind = Place::Kind::constant, .type = value->type, .value = static_cast<Slot>(value->value)};
-    found.is_constant = true;
-    found.why_constant = "expected a variable";
-    return found;
+    return literal_place(value->type, static_cast<Slot>(value->value));
   }
   // D100.3: a bit of a word device
   if (base.kind == Expression::Kind::name && !is_variable(base.name) &&
