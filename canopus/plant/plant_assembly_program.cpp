@@ -158,8 +158,8 @@ void add_mistakes(const ProgramFile& file, std::string_view key,
   }
 }
 
-/// The bytes of a program as they are, but UTF-16 as UTF-8. CP932 stays: those are the bytes of a text on a real PLC.
-bool is_text(const ProgramFile& file, std::string& bytes, text::FileErrors& errors) {
+/// The bytes of a program as they are, but UTF-16 as UTF-8; false after an error. CP932 stays: those are the bytes of a text on a real PLC.
+bool decode_text(const ProgramFile& file, std::string& bytes, text::FileErrors& errors) {
   if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) {
     if (auto utf8 = text::utf8_of(bytes)) {
       bytes = std::move(*utf8);
@@ -277,7 +277,7 @@ PlcProgram compile_program(const PlcSection& plc, const std::string& plant_file)
       continue;
     }
     const bool is_list = ascii::lower(path).ends_with(".csv");  // has its own encodings
-    if (!is_list && !is_text(file, *text, errors)) continue;
+    if (!is_list && !decode_text(file, *text, errors)) continue;
     if (ascii::lower(path).ends_with(".xml")) *text = plcopen_text(file, path, *text, errors);
     sources.push_back({path, std::move(*text)});
     files.push_back(&file);

@@ -111,7 +111,7 @@ class FlyingMaster {
                                                std::uint8_t node_id);
 
 /// "negotiation: 500 ms + 1 x 1500 ms + 5 x 10 ms = 2.05 s after a reset, and 100 ms more while it looks for an active master; asked for
-/// by another one: 1.55 s". After a reset: the delay, then negotiation_wait(), and between them the time-out 1F90:01; who is asked later
+/// by another one: 1.55 s". After a reset: the delay, then negotiation_wait(), and between them the time-out 1F90:01; a node that is asked later
 /// waits negotiation_wait() alone.
 [[nodiscard]] std::string negotiation_words(const FlyingMasterTiming& timing, std::uint8_t node_id);
 
